@@ -1,0 +1,26 @@
+// calibration.toml, read and written.
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "tracking/geometry/result.h"
+#include "tracking/geometry/sensor_rig.h"
+
+namespace deixis {
+
+struct CalibrationFile {
+    SensorRig rig;
+    std::vector<std::string> warnings;  ///< unknown keys, one sentence each
+};
+
+/// Reads and checks `path` (format "deixis-calibration/1"); refuses with one sentence naming file, key and what was
+/// expected: unknown format, no sensor, duplicate or unusable names, sizes, focal lengths, a rotation that is not
+/// orthonormal to 1e-4 or is a reflection, NaN, an empty cell, a zero axis.
+Result<CalibrationFile> read_calibration(const std::filesystem::path& path);
+
+/// Writes `rig` so that `read_calibration` gives the same values back to the last bit.
+Result<void> write_calibration(const SensorRig& rig, const std::filesystem::path& path);
+
+}  // namespace deixis
