@@ -1,4 +1,5 @@
-// A part as the station knows it: type, serial, outer skin in metres, zones. Read from part.toml and its CAD file.
+// A part as the station knows it: type, serial, outer skin in metres, zones. Read from part.toml and its CAD
+// file.
 #pragma once
 
 #include <filesystem>
@@ -31,7 +32,8 @@ struct PartFile {
 Result<PartFile> read_part_file(const std::filesystem::path& path);
 
 /// Loads a STEP, IGES, STL, OBJ or PLY file (by extension, any case) as triangles in metres.
-/// Refuses what does not open, holds no triangle or a NaN, or is not 1 cm to 20 m long, naming file and reason.
+/// Refuses what does not open, holds no triangle or a NaN, or is not 1 cm to 20 m long, naming file and
+/// reason.
 Result<SurfaceMesh> load_mesh(const std::filesystem::path& model, double metres_per_unit);
 
 /// The name of the first zone that holds the point (part frame [m]); empty when none does.
