@@ -7,8 +7,8 @@
 
 namespace deixis {
 
-/// Structure of arrays, all of the same length; buffers are reused from frame to frame. Order: sensor by sensor,
-/// row-major within each.
+/// Structure of arrays, all of the same length; buffers are reused from frame to frame. Order: sensor by
+/// sensor, row-major within each.
 struct SurfacePoints {
     std::vector<Eigen::Vector3f> positions;  ///< world [m]
     std::vector<Eigen::Vector3f> normals;    ///< unit, towards the sensor; zero where not computable
