@@ -16,9 +16,9 @@ const char* name_of(PartState state);
 struct PartEstimate {
     PartState state = PartState::absent;
     RigidTransform world_from_part;
-    bool at_rest = false;   ///< frozen: not moved for the rest time
-    double fitness = 0;     ///< share of the visible reference points that were found, 0 to 1
-    std::string reason;     ///< why it is not tracking, for the screen; empty when it is
+    bool at_rest = false;  ///< frozen: not moved for the rest time
+    double fitness = 0;    ///< share of the visible reference points that were found, 0 to 1
+    std::string reason;    ///< why it is not tracking, for the screen; empty when it is
 };
 
 }  // namespace deixis

@@ -14,25 +14,27 @@
 namespace deixis {
 
 struct PartTrackerParams {
-    int search_period = 10;          ///< framesets from one search attempt to the next
-    double max_tilt_deg = 180;       ///< of the part's z axis against the world's; 180: stands in any attitude
-    double fitness_min = 0.70;       ///< share of visible reference points found, below which a pose is not believed
-    double visible_min = 0.20;       ///< share of the reference points turned to a sensor that must be found
-    int confirm_frames = 3;          ///< framesets a found pose must hold before it counts as tracking
-    int lost_frames = 3;             ///< framesets in a row without the part until it is lost
-    double rest_s = 0.5;             ///< the part must keep still this long to be at rest [s]
-    double rest_mm = 5;              ///< ... within this, at any of its points [mm]
-    double motion_mm = 9;            ///< a resting part that is farther off than this has moved [mm]
-    bool validate_free_space = true; ///< count reference points that the sensors see through
+    int search_period = 10;     ///< framesets from one search attempt to the next
+    double max_tilt_deg = 180;  ///< of the part's z axis against the world's; 180: stands in any attitude
+    double fitness_min =
+        0.70;  ///< share of visible reference points found, below which a pose is not believed
+    double visible_min = 0.20;        ///< share of the reference points turned to a sensor that must be found
+    int confirm_frames = 3;           ///< framesets a found pose must hold before it counts as tracking
+    int lost_frames = 3;              ///< framesets in a row without the part until it is lost
+    double rest_s = 0.5;              ///< the part must keep still this long to be at rest [s]
+    double rest_mm = 5;               ///< ... within this, at any of its points [mm]
+    double motion_mm = 9;             ///< a resting part that is farther off than this has moved [mm]
+    bool validate_free_space = true;  ///< count reference points that the sensors see through
     InvalidSettings validate() const;
 };
 
-/// States. `absent`: nothing like the part was found by the last attempt. `searching`: not looked yet, or something
-/// is being confirmed. `ambiguous`: poses that differ explain the scene alike, or the pose can slide; `reason` says
-/// which. `tracking`: the pose holds. `lost`: it was tracked and is not seen; after a failed search it is `absent`.
+/// States. `absent`: nothing like the part was found by the last attempt. `searching`: not looked yet, or
+/// something is being confirmed. `ambiguous`: poses that differ explain the scene alike, or the pose can
+/// slide; `reason` says which. `tracking`: the pose holds. `lost`: it was tracked and is not seen; after a
+/// failed search it is `absent`.
 ///
-/// Time comes from the framesets only; every search is seeded by its own number: the same framesets give the same
-/// estimates on every run and with any number of threads.
+/// Time comes from the framesets only; every search is seeded by its own number: the same framesets give the
+/// same estimates on every run and with any number of threads.
 class PartTracker {
   public:
     using Params = PartTrackerParams;
@@ -44,8 +46,9 @@ class PartTracker {
     PartTracker(PartTracker&&) noexcept;
     PartTracker& operator=(PartTracker&&) noexcept;
 
-    /// `points` are the surface points of the same frameset, above the floor and inside the cell. The reference is
-    /// valid until the next call. A frameset whose stamp does not rise resets nothing but counts as no motion time.
+    /// `points` are the surface points of the same frameset, above the floor and inside the cell. The
+    /// reference is valid until the next call. A frameset whose stamp does not rise resets nothing but counts
+    /// as no motion time.
     const PartEstimate& update(const Frameset& frameset, const SurfacePoints& points);
 
     const PartEstimate& estimate() const;

@@ -1,4 +1,5 @@
-// The part as the tracker knows it: skin points with normals at two densities, descriptors, nearest-point grid.
+// The part as the tracker knows it: skin points with normals at two densities, descriptors, nearest-point
+// grid.
 #pragma once
 
 #include <Eigen/Core>
@@ -23,17 +24,17 @@ struct ReferenceModelParams {
     InvalidSettings validate() const;
 };
 
-/// Built once a part (about a second for a bumper), then read only: any number of threads may use it. The same mesh
-/// gives the same model on every run. Part frame, metres.
+/// Built once a part (about a second for a bumper), then read only: any number of threads may use it. The
+/// same mesh gives the same model on every run. Part frame, metres.
 class ReferenceModel {
   public:
-    /// Refuses a mesh without any visible surface, or so large that the grid would not fit (the spacing is widened
-    /// before that), in one sentence.
+    /// Refuses a mesh without any visible surface, or so large that the grid would not fit (the spacing is
+    /// widened before that), in one sentence.
     static Result<std::shared_ptr<const ReferenceModel>> build(const SurfaceMesh& mesh,
                                                                const ReferenceModelParams& params);
 
-    /// Distance to the nearest skin point, clamped to `reach` [m]; within about 1 cm of the exact distance. Two table
-    /// look-ups: for "take the part out" of a cloud or a volume.
+    /// Distance to the nearest skin point, clamped to `reach` [m]; within about 1 cm of the exact distance.
+    /// Two table look-ups: for "take the part out" of a cloud or a volume.
     float distance_to_surface(const Eigen::Vector3f& p_part) const;
 
     const std::vector<SkinPoint>& fine() const { return fine_; }
@@ -41,7 +42,7 @@ class ReferenceModel {
     const std::vector<Descriptor>& descriptors() const { return descriptors_; }  ///< one a coarse point
     const NearestPointGrid& outer_grid() const { return outer_grid_; }           ///< indices into fine()
     const NearestPointGrid& inner_grid() const { return inner_grid_; }           ///< indices into fine()
-    const Eigen::Vector3d& centre() const { return centre_; }                    ///< mean of the outer fine points
+    const Eigen::Vector3d& centre() const { return centre_; }  ///< mean of the outer fine points
     double radius() const { return radius_; }  ///< of the ball about the centre that holds the skin [m]
     const MeshBounds& bounds() const { return bounds_; }
     const ReferenceModelParams& params() const { return params_; }
