@@ -5,7 +5,9 @@
 
 namespace deixis {
 
-/// Each adds its subcommand; its callback returns by `throw CLI::RuntimeError(code)` on failure.
-/// Exit codes: 0 done, 1 refused or failed (one sentence on stderr), 2 bad arguments.
+/// Each adds its subcommand. A callback that fails writes one sentence to stderr and throws
+/// `CLI::RuntimeError(code)`. Exit codes of the program: 0 done, 1 refused or failed, 2 bad arguments.
+void add_replay_command(CLI::App& app);
+void add_station_command(CLI::App& app);
 
 }  // namespace deixis

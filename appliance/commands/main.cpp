@@ -1,5 +1,7 @@
 // `deixis`: dispatches to the subcommands.
 #include <CLI/CLI.hpp>
+#include <exception>
+#include <iostream>
 
 #include "appliance/commands/commands.h"
 
@@ -7,6 +9,17 @@ int main(int argc, char** argv) {
     CLI::App app{"Deixis: a worker points at a part, the station records the defect"};
     app.require_subcommand(1);
     app.set_version_flag("--version", DEIXIS_VERSION);
-    CLI11_PARSE(app, argc, argv);
+    deixis::add_station_command(app);
+    deixis::add_replay_command(app);
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::RuntimeError& error) {
+        return error.get_exit_code();
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    } catch (const std::exception& error) {
+        std::cerr << "deixis: " << error.what() << '\n';
+        return 1;
+    }
     return 0;
 }

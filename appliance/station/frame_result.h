@@ -18,7 +18,7 @@ struct CommittedMark {
 };
 
 struct StageTimes {
-    double foreground = 0, carve = 0, part = 0, gesture = 0, record = 0, total = 0;  ///< [ms]
+    double foreground = 0, part = 0, carve = 0, worker = 0, gesture = 0, record = 0, total = 0;  ///< [ms]
 };
 
 struct FrameResult {

@@ -20,7 +20,8 @@ struct DepthImage {
     }
 };
 
-/// One sensor's frame on the session clock. Buffers are reused: `present == false` means no image, whatever is in it.
+/// One sensor's frame on the session clock. Buffers are reused: `present == false` means no image, whatever
+/// is in it.
 struct DepthFrame {
     bool present = false;
     int64_t timestamp_us = 0;
@@ -28,8 +29,8 @@ struct DepthFrame {
     DepthImage depth;
 };
 
-/// One frame of the first sensor with the nearest of each other within 17 ms (`present` false beyond that), in the
-/// order of the depth sensors of the calibration. `timestamp_us` is the first sensor's.
+/// One frame of the first sensor with the nearest of each other within 17 ms (`present` false beyond that),
+/// in the order of the depth sensors of the calibration. `timestamp_us` is the first sensor's.
 struct Frameset {
     int64_t timestamp_us = 0;
     std::vector<DepthFrame> frames;

@@ -12,8 +12,8 @@
 namespace deixis {
 namespace {
 
-Eigen::Vector3f closest_on_triangle(const Eigen::Vector3f& p, const Eigen::Vector3f& a, const Eigen::Vector3f& b,
-                                    const Eigen::Vector3f& c) {
+Eigen::Vector3f closest_on_triangle(const Eigen::Vector3f& p, const Eigen::Vector3f& a,
+                                    const Eigen::Vector3f& b, const Eigen::Vector3f& c) {
     // Ericson, Real-Time Collision Detection, 5.1.5: the Voronoi region of p decides.
     const Eigen::Vector3f ab = b - a, ac = c - a, ap = p - a;
     const float d1 = ab.dot(ap), d2 = ac.dot(ap);
@@ -29,7 +29,8 @@ Eigen::Vector3f closest_on_triangle(const Eigen::Vector3f& p, const Eigen::Vecto
     const float vb = d5 * d2 - d1 * d6;
     if (vb <= 0 && d2 >= 0 && d6 <= 0) return a + ac * (d2 / (d2 - d6));
     const float va = d3 * d6 - d5 * d4;
-    if (va <= 0 && (d4 - d3) >= 0 && (d5 - d6) >= 0) return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
+    if (va <= 0 && (d4 - d3) >= 0 && (d5 - d6) >= 0)
+        return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
     const float denominator = 1.0F / (va + vb + vc);
     return a + ab * (vb * denominator) + ac * (vc * denominator);
 }
@@ -61,8 +62,8 @@ RayCaster& RayCaster::operator=(RayCaster&&) noexcept = default;
 
 uint32_t RayCaster::add(const SurfaceMesh& mesh) {
     RTCGeometry g = rtcNewGeometry(impl_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
-    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3,
-                                                                 3 * sizeof(float), mesh.vertices.size()));
+    auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
+        g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.vertices.size()));
     auto* indices = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(
         g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), mesh.triangles.size()));
     if (!mesh.vertices.empty())
@@ -87,10 +88,12 @@ void RayCaster::update(uint32_t index, const std::vector<Eigen::Vector3f>& verti
     rtcCommitGeometry(g);
 }
 
-void RayCaster::commit() { rtcCommitScene(impl_->scene); }
+void RayCaster::commit() {
+    rtcCommitScene(impl_->scene);
+}
 
-std::optional<RayHit> RayCaster::cast(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float near,
-                                      float far) const {
+std::optional<RayHit> RayCaster::cast(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction,
+                                      float near, float far) const {
     if (!origin.allFinite() || !direction.allFinite()) return std::nullopt;
     RTCRayHit query{};
     query.ray.org_x = origin.x();
@@ -136,7 +139,8 @@ std::optional<NearestPoint> RayCaster::nearest(const Eigen::Vector3f& p, float r
             const float distance = (q - from).norm();
             if (distance >= args->query->radius) return false;
             args->query->radius = distance;
-            s->best = NearestPoint{q, triangle_normal(mesh, args->primID), distance, args->geomID, args->primID};
+            s->best =
+                NearestPoint{q, triangle_normal(mesh, args->primID), distance, args->geomID, args->primID};
             return true;
         },
         &search);

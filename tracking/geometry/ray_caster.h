@@ -11,10 +11,10 @@
 namespace deixis {
 
 struct RayHit {
-    float distance = 0;       ///< in units of the direction's length
-    uint32_t mesh = 0;        ///< index as returned by `add`
+    float distance = 0;  ///< in units of the direction's length
+    uint32_t mesh = 0;   ///< index as returned by `add`
     uint32_t triangle = 0;
-    Eigen::Vector3f normal;   ///< unit, as the triangle is wound, not turned to the viewer
+    Eigen::Vector3f normal;  ///< unit, as the triangle is wound, not turned to the viewer
 };
 
 struct NearestPoint {
@@ -43,8 +43,8 @@ class RayCaster {
     void commit();
 
     /// First hit with distance in [near, far]; nothing when the ray misses or has a NaN.
-    std::optional<RayHit> cast(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction, float near = 0,
-                               float far = 1e30F) const;
+    std::optional<RayHit> cast(const Eigen::Vector3f& origin, const Eigen::Vector3f& direction,
+                               float near = 0, float far = 1e30F) const;
 
     /// The surface point nearest to `p` within `radius`; nothing beyond it.
     std::optional<NearestPoint> nearest(const Eigen::Vector3f& p, float radius) const;

@@ -1,4 +1,5 @@
-// Expected failures as values: what a stage returns when the outside world (file, sensor, setting) is at fault.
+// Expected failures as values: what a stage returns when the outside world (file, sensor, setting) is at
+// fault.
 #pragma once
 
 #include <string>
@@ -31,7 +32,8 @@ struct InvalidSetting {
 using InvalidSettings = std::vector<InvalidSetting>;
 
 /// Appends a complaint when `value` is not inside [low, high] (NaN never is).
-inline void require_range(InvalidSettings& complaints, const char* key, double value, double low, double high) {
+inline void require_range(InvalidSettings& complaints, const char* key, double value, double low,
+                          double high) {
     if (value >= low && value <= high) return;
     complaints.push_back({key, std::to_string(value), std::to_string(low) + " to " + std::to_string(high)});
 }

@@ -18,9 +18,7 @@ struct RigidTransform {
         return {rotation * b_from_a.rotation, rotation * b_from_a.translation + translation};
     }
 
-    RigidTransform inverse() const {
-        return {rotation.transpose(), -(rotation.transpose() * translation)};
-    }
+    RigidTransform inverse() const { return {rotation.transpose(), -(rotation.transpose() * translation)}; }
 };
 
 /// Angle of the rotation between two poses [rad], 0 to pi.

@@ -1,4 +1,5 @@
-// The calibrated work cell as a value: sensors with lens and place, the volume of interest, the pointing axis.
+// The calibrated work cell as a value: sensors with lens and place, the volume of interest, the pointing
+// axis.
 #pragma once
 
 #include <Eigen/Core>
@@ -34,7 +35,7 @@ struct Box {
 /// World frame: right-handed, Z up, floor at z = 0.
 struct SensorRig {
     std::vector<CalibratedSensor> sensors;
-    std::optional<Box> cell;                        ///< absent: what background and views bound
+    std::optional<Box> cell;                       ///< absent: what background and views bound
     std::optional<Eigen::Vector3d> pointing_axis;  ///< unit; absent: from the worker to the part
 };
 

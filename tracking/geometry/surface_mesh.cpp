@@ -28,7 +28,8 @@ void append(SurfaceMesh& mesh, const SurfaceMesh& other) {
     const auto shift = static_cast<uint32_t>(mesh.vertices.size());
     mesh.vertices.insert(mesh.vertices.end(), other.vertices.begin(), other.vertices.end());
     mesh.triangles.reserve(mesh.triangles.size() + other.triangles.size());
-    for (const auto& t : other.triangles) mesh.triangles.push_back({t[0] + shift, t[1] + shift, t[2] + shift});
+    for (const auto& t : other.triangles)
+        mesh.triangles.push_back({t[0] + shift, t[1] + shift, t[2] + shift});
 }
 
 }  // namespace deixis

@@ -9,7 +9,7 @@
 namespace deixis {
 
 struct SurfaceMesh {
-    std::vector<Eigen::Vector3f> vertices;              ///< [m]
+    std::vector<Eigen::Vector3f> vertices;           ///< [m]
     std::vector<std::array<uint32_t, 3>> triangles;  ///< counter-clockwise seen from outside
 };
 

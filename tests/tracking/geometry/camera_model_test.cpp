@@ -6,7 +6,9 @@
 namespace deixis {
 namespace {
 
-CameraModel kinect(std::array<double, 5> distortion) { return {640, 480, 575.8, 575.8, 319.5, 239.5, distortion}; }
+CameraModel kinect(std::array<double, 5> distortion) {
+    return {640, 480, 575.8, 575.8, 319.5, 239.5, distortion};
+}
 
 TEST(CameraModel, CentreOfTopLeftPixelIsZero) {
     const CameraModel camera = kinect({});
@@ -16,8 +18,9 @@ TEST(CameraModel, CentreOfTopLeftPixelIsZero) {
 }
 
 TEST(CameraModel, RayUndoesProjectOverTheWholeImage) {
-    for (const auto& distortion : {std::array<double, 5>{0, 0, 0, 0, 0}, std::array<double, 5>{-0.26, 0.09, 1e-3, -2e-3, 0.01},
-                                   std::array<double, 5>{0.12, -0.05, 0, 0, 0}}) {
+    for (const auto& distortion :
+         {std::array<double, 5>{0, 0, 0, 0, 0}, std::array<double, 5>{-0.26, 0.09, 1e-3, -2e-3, 0.01},
+          std::array<double, 5>{0.12, -0.05, 0, 0, 0}}) {
         const CameraModel camera = kinect(distortion);
         for (int v = 0; v < 480; v += 13)
             for (int u = 0; u < 640; u += 13) {

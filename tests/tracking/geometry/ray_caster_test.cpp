@@ -17,7 +17,8 @@ SurfaceMesh random_soup(unsigned seed, int triangles) {
     SurfaceMesh mesh;
     for (int i = 0; i < triangles; ++i) {
         const Eigen::Vector3f a(place(random), place(random), place(random));
-        for (int k = 0; k < 3; ++k) mesh.vertices.emplace_back(a + Eigen::Vector3f(size(random), size(random), size(random)));
+        for (int k = 0; k < 3; ++k)
+            mesh.vertices.emplace_back(a + Eigen::Vector3f(size(random), size(random), size(random)));
         const auto n = static_cast<uint32_t>(3 * i);
         mesh.triangles.push_back({n, n + 1, n + 2});
     }
@@ -29,7 +30,8 @@ float plain_cast(const SurfaceMesh& mesh, const Eigen::Vector3d& o, const Eigen:
     double best = std::numeric_limits<double>::infinity();
     for (const auto& t : mesh.triangles) {
         const Eigen::Vector3d a = mesh.vertices[t[0]].cast<double>();
-        const Eigen::Vector3d e1 = mesh.vertices[t[1]].cast<double>() - a, e2 = mesh.vertices[t[2]].cast<double>() - a;
+        const Eigen::Vector3d e1 = mesh.vertices[t[1]].cast<double>() - a,
+                              e2 = mesh.vertices[t[2]].cast<double>() - a;
         const Eigen::Vector3d p = d.cross(e2);
         const double det = e1.dot(p);
         if (std::abs(det) < 1e-12) continue;
@@ -77,7 +79,8 @@ TEST(RayCaster, NearestPointIsNoFartherThanAnySampledSurfacePoint) {
             for (int k = 0; k < 20; ++k) {
                 float u = share(random), v = share(random);
                 if (u + v > 1) u = 1 - u, v = 1 - v;
-                const Eigen::Vector3f q = mesh.vertices[t[0]] + u * (mesh.vertices[t[1]] - mesh.vertices[t[0]]) +
+                const Eigen::Vector3f q = mesh.vertices[t[0]] +
+                                          u * (mesh.vertices[t[1]] - mesh.vertices[t[0]]) +
                                           v * (mesh.vertices[t[2]] - mesh.vertices[t[0]]);
                 ASSERT_LE(nearest->distance, (q - p).norm() + 1e-5F);
             }

@@ -1,0 +1,245 @@
+// One turn of the station: frameset, perception, record, PLC.
+#include "appliance/station/station.h"
+
+#include <algorithm>
+
+#include "appliance/records/utc_time.h"
+
+namespace deixis {
+namespace {
+
+double ms_since(std::chrono::steady_clock::time_point start) {
+    return std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - start).count();
+}
+
+FrameSourceParams source_params(const StationSetup& setup) {
+    FrameSourceParams params;
+    params.lock_step = setup.lock_step;
+    params.real_time = setup.real_time;
+    params.stall_limit = std::chrono::milliseconds(setup.settings.sensors.stall_limit_ms);
+    params.pair_patience = std::chrono::milliseconds(setup.settings.sensors.pair_patience_ms);
+    params.restart_delay = std::chrono::milliseconds(setup.settings.sensors.restart_delay_ms);
+    params.program = setup.program;
+    params.driver_folder = setup.driver_folder;
+    return params;
+}
+
+CommittedMark committed(const DefectRecord& record) {
+    return {record.id, record.mark, record.zone};
+}
+
+}  // namespace
+
+struct Station::Impl {
+    StationSetup setup;
+    Perception perception;
+    DefectLedger ledger;
+    std::unique_ptr<MarkRecorder> recorder;
+    std::unique_ptr<PlcLink> plc;
+    std::unique_ptr<FrameSource> source;
+    Frameset frameset;
+    FrameResult result;
+    std::vector<DefectRecord> acknowledged;
+    std::string trouble;
+    int64_t framesets = 0;
+    int64_t marks_total = 0;
+    int64_t marks_on_part = 0;
+    std::string part_serial;
+    bool finished = false;
+
+    Impl(StationSetup s, DefectLedger l)
+        : setup(std::move(s)), perception(setup.cell, setup.settings.perception), ledger(std::move(l)) {
+        if (setup.cell.part) part_serial = setup.cell.part->file.serial;
+    }
+
+    void look();
+    void record(const Mark& mark);
+    void collect();
+    void acknowledge(const DefectRecord& record);
+    void tell_plc(bool fresh);
+    void hear_plc();
+    PlcDefect to_plc(const DefectRecord& record) const;
+    DefectRecord record_of(const Mark& mark) const;
+};
+
+Station::Station(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Station::~Station() = default;
+
+Result<std::unique_ptr<Station>> Station::start(StationSetup setup) {
+    auto ledger = DefectLedger::open(setup.database, setup.settings.ledger);
+    if (!ledger) return fail(ledger.error().sentence);
+    auto impl = std::make_unique<Impl>(std::move(setup), std::move(*ledger));
+    auto recorder = MarkRecorder::start(impl->ledger, impl->setup.settings.recorder);
+    if (!recorder) return tl::unexpected(recorder.error());
+    impl->recorder = std::move(*recorder);
+    if (impl->setup.plc && impl->setup.settings.plc.mode != "off") {
+        auto plc = PlcLink::start(impl->setup.settings.plc);
+        if (!plc) return tl::unexpected(plc.error());
+        impl->plc = std::move(*plc);
+        // What an earlier run committed and the PLC never echoed is delivered again: at least once.
+        DefectFilter open_deliveries;
+        open_deliveries.undelivered = true;
+        if (const auto waiting = impl->ledger.list(open_deliveries))
+            for (const DefectRecord& record : *waiting)
+                if (!impl->plc->deliver(impl->to_plc(record))) break;
+    }
+    auto source = open_sensors(impl->setup.cell.sensors, source_params(impl->setup));
+    if (!source) return tl::unexpected(source.error());
+    impl->source = std::move(*source);
+    return std::unique_ptr<Station>(new Station(std::move(impl)));
+}
+
+Station::Turn Station::turn(std::chrono::milliseconds patience) {
+    Impl& s = *impl_;
+    s.acknowledged.clear();
+    s.hear_plc();
+    const FrameSource::Outcome outcome = s.source->next(s.frameset, patience);
+    if (outcome == FrameSource::Outcome::frameset) {
+        s.look();
+        return Turn::frame;
+    }
+    s.finished = outcome == FrameSource::Outcome::end;
+    s.result = {};
+    s.collect();
+    s.tell_plc(false);
+    return s.finished ? Turn::finished : Turn::waiting;
+}
+
+void Station::Impl::look() {
+    const auto start = std::chrono::steady_clock::now();
+    ++framesets;
+    Perception::Observation observation = perception.update(frameset);
+    result = std::move(observation.result);
+    const auto before_record = std::chrono::steady_clock::now();
+    if (observation.mark) record(*observation.mark);
+    collect();
+    tell_plc(true);
+    result.stage_ms.record = ms_since(before_record);
+    result.stage_ms.total = ms_since(start);
+}
+
+DefectRecord Station::Impl::record_of(const Mark& mark) const {
+    DefectRecord record;
+    record.part_type = setup.cell.part ? setup.cell.part->file.type : "";
+    record.part_serial = part_serial;
+    record.mark = mark;
+    if (setup.cell.part) record.zone = zone_of(setup.cell.part->file.zones, mark.spot.position);
+    record.time_us = setup.lock_step ? setup.cell.epoch_us + mark.timestamp_us : utc_now_us();
+    record.source = setup.cell.source;
+    return record;
+}
+
+void Station::Impl::record(const Mark& mark) {
+    DefectRecord defect = record_of(mark);
+    if (setup.lock_step) {
+        const auto id = recorder->commit_now(defect);
+        if (!id) {
+            trouble = "a mark could not be recorded: " + id.error().sentence;
+            return;
+        }
+        defect.id = *id;
+        acknowledge(defect);
+    } else if (const auto posted = recorder->post(defect); !posted) {
+        trouble = "a mark could not be recorded: " + posted.error().sentence;
+    }
+}
+
+void Station::Impl::collect() {
+    for (const DefectRecord& record : recorder->take_committed()) acknowledge(record);
+    for (const RefusedMark& refused : recorder->take_refused())
+        trouble = "a mark could not be recorded: " + refused.sentence;
+}
+
+void Station::Impl::acknowledge(const DefectRecord& record) {
+    result.marks.push_back(committed(record));
+    acknowledged.push_back(record);
+    ++marks_total;
+    ++marks_on_part;
+    if (!plc) return;
+    if (const auto queued = plc->deliver(to_plc(record)); !queued) trouble = queued.error().sentence;
+}
+
+PlcDefect Station::Impl::to_plc(const DefectRecord& record) const {
+    PlcDefect defect;
+    defect.id = record.id;
+    defect.position = record.mark.spot.position;
+    defect.arm = record.mark.arm;
+    defect.confidence = record.mark.confidence;
+    defect.part_serial = record.part_serial;
+    if (setup.cell.part) {
+        const auto& zones = setup.cell.part->file.zones;
+        const auto zone =
+            std::find_if(zones.begin(), zones.end(), [&](const Zone& z) { return z.name == record.zone; });
+        if (zone != zones.end()) defect.zone_number = static_cast<int>(zone - zones.begin()) + 1;
+    }
+    return defect;
+}
+
+void Station::Impl::tell_plc(bool fresh) {
+    if (!plc) return;
+    const auto health = source->health();
+    PlcOutputs outputs;
+    outputs.sensors_ok = fresh && std::all_of(health.begin(), health.end(), [](const SensorHealth& h) {
+                             return h.state == SensorState::running;
+                         });
+    outputs.part_locked = fresh && result.part.state == PartState::tracking;
+    outputs.part_at_rest = outputs.part_locked && result.part.at_rest;
+    const RecorderPhase phase = recorder->state().phase;
+    outputs.database_ok = phase == RecorderPhase::ready || phase == RecorderPhase::writing;
+    outputs.ready = outputs.sensors_ok && outputs.part_at_rest && outputs.database_ok;
+    outputs.mark_toggle = marks_total % 2 != 0;
+    outputs.pointing = fresh && result.pointing && result.pointing->hit;
+    outputs.defect_count = marks_on_part;
+    plc->publish(outputs);
+}
+
+void Station::Impl::hear_plc() {
+    if (!plc) return;
+    for (const DefectId id : plc->take_echoed()) recorder->note_delivered(id, utc_now_us());
+    const PlcInputs inputs = plc->inputs();
+    if (inputs.part_sequence == 0 || inputs.part_serial == part_serial) return;
+    part_serial = inputs.part_serial;
+    marks_on_part = 0;
+}
+
+const FrameResult& Station::result() const {
+    return impl_->result;
+}
+const std::vector<DefectRecord>& Station::acknowledged() const {
+    return impl_->acknowledged;
+}
+const std::string& Station::part_serial() const {
+    return impl_->part_serial;
+}
+float Station::voxel_size() const {
+    return impl_->perception.voxel_size();
+}
+
+void Station::worker_voxels(std::vector<Eigen::Vector3f>& centres) const {
+    impl_->perception.worker_voxels(centres);
+}
+
+StationState Station::state() const {
+    const Impl& s = *impl_;
+    StationState state;
+    state.source = s.setup.cell.source;
+    state.sensors = s.source->health();
+    state.record = s.recorder->state();
+    if (s.plc) state.plc = s.plc->state();
+    state.framesets = s.framesets;
+    state.expected = s.setup.cell.frames;
+    state.finished = s.finished;
+    state.marks_total = s.marks_total;
+    state.last_trouble = s.trouble;
+    return state;
+}
+
+std::vector<std::string> Station::stop() {
+    std::vector<std::string> lost;
+    for (const DefectRecord& record : impl_->recorder->stop())
+        lost.push_back("the mark of session time " + std::to_string(record.mark.timestamp_us) +
+                       " us was not acknowledged and is not in the record");
+    return lost;
+}
+
+}  // namespace deixis
