@@ -9,6 +9,8 @@
 //   block "from PLC"          holding registers, functions 3, 6    holding registers of the PLC, read with
 //                             and 16, from address 0               function 3 from plc.from_plc_address
 //
+// Read and write a block in one request: registers of two requests may belong to two moments.
+//
 // A new part: the PLC writes part_type and part_serial, then another number (not 0) into part_sequence; only
 // then does the station take them over, and says so in part_sequence_taken.
 //
@@ -62,7 +64,7 @@ inline constexpr std::array<RegisterLine, 21> register_map{{
     {RegisterBlock::to_plc,   15,  1, RegisterType::uint16, "defect_zone",         "",   "zone of the part file, counted from 1; 0 = in no zone"},
     {RegisterBlock::to_plc,   16,  1, RegisterType::uint16, "defect_arm",          "",   "1 = worker's left arm, 2 = right arm; 0 = no defect"},
     {RegisterBlock::to_plc,   17,  1, RegisterType::uint16, "defect_confidence",   "%",  "0 to 100"},
-    {RegisterBlock::to_plc,   18,  2, RegisterType::uint32, "defect_part",         "",   "checksum (CRC-32) of the part serial that the defect belongs to"},
+    {RegisterBlock::to_plc,   18, 16, RegisterType::ascii,  "defect_serial",       "",   "serial number of the part that the defect lies on"},
     {RegisterBlock::from_plc,  0,  1, RegisterType::uint16, "plc_heartbeat",       "",   "any change says that the PLC runs"},
     {RegisterBlock::from_plc,  1,  1, RegisterType::uint16, "echo_sequence",       "",   "defect_sequence of the last defect that the PLC has taken"},
     {RegisterBlock::from_plc,  2,  1, RegisterType::uint16, "part_sequence",       "",   "another number (not 0) for every part, written after type and serial; 0 = no part"},
@@ -90,7 +92,7 @@ inline constexpr std::array<StatusBitLine, 9> status_bits{{
 }};
 // clang-format on
 
-inline constexpr uint16_t to_plc_registers = 20;
+inline constexpr uint16_t to_plc_registers = 34;
 inline constexpr uint16_t from_plc_registers = 36;
 
 /// A defect on its way to the PLC.
@@ -103,8 +105,10 @@ struct PlcDefect {
     std::string part_serial;
 };
 
-/// The sequence number of a defect, 1 to 65535: made from its id, so that it goes on after a restart.
-uint16_t sequence_of(DefectId id);
+/// The sequence number of a defect, 1 to 65535: made from its id, so that it goes on after a restart. When
+/// the PLC shows that very number already (`echoed`: of an earlier record), it would not notice: then the one
+/// after it.
+uint16_t sequence_of(DefectId id, uint16_t echoed);
 
 /// What the station tells the PLC every frame; the link adds heartbeat, defects and its own bits.
 struct PlcOutputs {
@@ -134,6 +138,7 @@ using FromPlcWords = std::array<uint16_t, from_plc_registers>;
 struct LinkWords {
     uint16_t heartbeat = 0;
     uint16_t part_sequence_taken = 0;
+    uint16_t defect_sequence = 0;  ///< of the standing defect
     uint16_t defects_waiting = 0;
     bool plc_heard = false;
     bool station_alive = false;  ///< false: the status word is 0
