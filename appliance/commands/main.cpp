@@ -11,6 +11,7 @@ int main(int argc, char** argv) {
     app.set_version_flag("--version", DEIXIS_VERSION);
     deixis::add_station_command(app);
     deixis::add_replay_command(app);
+    deixis::add_sensor_command(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::RuntimeError& error) {

@@ -4,6 +4,7 @@
 #include <poll.h>
 
 #include <algorithm>
+#include <cstdlib>
 #include <utility>
 
 #include "appliance/sensors/host_clock.h"
@@ -59,8 +60,11 @@ void SupervisedSensor::start() {
     if (spec_.recording && (params_.real_time || !params_.lock_step))
         command.arguments.emplace_back("--paced");
     if (spec_.verified) command.arguments.emplace_back("--verified");
-    if (!params_.driver_folder.empty())
-        command.environment.emplace_back("LD_LIBRARY_PATH", std::filesystem::absolute(params_.driver_folder));
+    if (!params_.driver_folder.empty()) {
+        std::string folders = std::filesystem::absolute(params_.driver_folder);
+        if (const char* before = std::getenv("LD_LIBRARY_PATH")) folders += std::string(":") + before;
+        command.environment.emplace_back("LD_LIBRARY_PATH", folders);
+    }
     auto child = ChildProcess::start(command);
     if (!child) return end_child(SensorState::missing, child.error().sentence);
     child_ = std::move(*child);
