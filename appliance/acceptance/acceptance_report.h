@@ -42,13 +42,15 @@ struct AcceptanceReport {
     std::vector<std::string> failures;  ///< one sentence a criterion that is not met; empty = accepted
 };
 
-/// The figures, and with `expected` its criteria held against them; without it the demands of a demo session:
-/// every meant gesture exactly one mark within the tolerance, no false mark. `part_box` is the model's box,
-/// part frame [m]. Criteria without data fail: a session without meant gestures cannot meet
-/// `marks_found_min`.
-AcceptanceReport judge_session(const Truth& truth, const Results& results,
-                               const std::optional<Expected>& expected, const std::optional<Box>& part_box,
-                               const MarkMatchingParams& params = {});
+/// What is demanded of a session beside its figures.
+struct Demands {
+    std::optional<Expected> expected;  ///< criteria without data fail
+    bool every_mark = true;            ///< every meant gesture exactly one mark in its place, no mark false
+};
+
+/// The figures of `results`, held against `demands`. `part_box` is the model's box, part frame [m].
+AcceptanceReport judge_session(const Truth& truth, const Results& results, const Demands& demands,
+                               const std::optional<Box>& part_box, const MarkMatchingParams& params = {});
 
 /// One row a gesture, one a false mark, then the figures and what failed.
 std::string table_of(const AcceptanceReport& report);
