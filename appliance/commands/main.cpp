@@ -12,6 +12,8 @@ int main(int argc, char** argv) {
     deixis::add_station_command(app);
     deixis::add_replay_command(app);
     deixis::add_sensor_command(app);
+    deixis::add_export_command(app);
+    deixis::add_plc_command(app);
     try {
         app.parse(argc, argv);
     } catch (const CLI::RuntimeError& error) {

@@ -199,6 +199,18 @@ LedgerResult<DefectLedger> DefectLedger::open_to_read(const std::filesystem::pat
     return DefectLedger(std::make_unique<Connection>(std::move(*database), path));
 }
 
+LedgerResult<LedgerFacts> DefectLedger::inspect(const std::filesystem::path& path,
+                                                const LedgerParams& params) {
+    auto look = inspect_ledger_file(path, params);
+    if (!look) return tl::unexpected(look.error());
+    auto ledger = open_to_read(path, {params.busy_timeout_ms, false});
+    if (!ledger) return tl::unexpected(ledger.error());
+    const auto defects = ledger->count();
+    if (!defects) return tl::unexpected(defects.error());
+    look->defects = *defects;
+    return look;
+}
+
 LedgerResult<DefectId> DefectLedger::commit(const DefectRecord& record) {
     if (const std::string complaint = complaint_about(record); !complaint.empty())
         return ledger_fail(LedgerTrouble::refused, "the mark is not recorded: " + complaint);
@@ -292,6 +304,10 @@ LedgerResult<void> DefectLedger::set_delivered(DefectId id, int64_t time_us) {
 LedgerResult<std::vector<std::string>> DefectLedger::integrity_complaints() const {
     return connection_->run<std::vector<std::string>>(
         "read", [](SQLite::Database& database) { return check_lines(database, false); });
+}
+
+std::string DefectLedger::library_version() {
+    return std::string("SQLite ") + SQLite::getLibVersion();
 }
 
 const std::filesystem::path& DefectLedger::path() const {

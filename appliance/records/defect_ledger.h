@@ -44,6 +44,14 @@ struct DefectFilter {
     int64_t limit = -1;        ///< at most so many, the oldest first; -1 = all
 };
 
+/// What a look at a ledger file shows, see DefectLedger::inspect.
+struct LedgerFacts {
+    int tables_version = 0;
+    bool write_ahead_log = false;
+    int64_t defects = 0;
+    std::vector<std::string> complaints;  ///< of SQLite's integrity check; empty when all is well
+};
+
 /// One connection to one ledger file (WAL, synchronous=FULL, foreign keys on).
 /// Threads: every member may be called from any thread; calls on one object take turns. Give a reader that
 /// must not delay the writer a ledger object of its own. Processes: many readers and writers at a time.
@@ -59,6 +67,10 @@ class DefectLedger {
     /// memory.
     static LedgerResult<DefectLedger> open_to_read(const std::filesystem::path& path,
                                                    const LedgerParams& params = {});
+
+    /// Reads the whole file without changing it.
+    static LedgerResult<LedgerFacts> inspect(const std::filesystem::path& path,
+                                             const LedgerParams& params = {});
 
     DefectLedger(DefectLedger&&) noexcept;
     DefectLedger& operator=(DefectLedger&&) noexcept;
@@ -91,6 +103,9 @@ class DefectLedger {
     const std::filesystem::path& path() const;
 
     static constexpr int schema_version = 2;
+
+    /// "SQLite 3.40.1".
+    static std::string library_version();
 
   private:
     class Connection;

@@ -69,6 +69,13 @@ LedgerResult<void> check_first_bytes(const fs::path& file) {
     return {};
 }
 
+LedgerResult<void> check_exists(const fs::path& file) {
+    std::error_code trouble;
+    if (!fs::exists(file, trouble))
+        return ledger_fail(LedgerTrouble::unreachable, "there is no record at " + file.string());
+    return check_first_bytes(file);
+}
+
 LedgerResult<void> check_content(SQLite::Database& database, const fs::path& file,
                                  const LedgerParams& params) {
     if (auto identity = check_ledger_identity(database, file); !identity) return identity;
@@ -158,10 +165,7 @@ LedgerResult<DatabasePointer> open_ledger_file(const fs::path& file, const Ledge
 }
 
 LedgerResult<DatabasePointer> open_ledger_file_to_read(const fs::path& file, const LedgerParams& params) {
-    std::error_code trouble;
-    if (!fs::exists(file, trouble))
-        return ledger_fail(LedgerTrouble::unreachable, "there is no record at " + file.string());
-    if (auto bytes = check_first_bytes(file); !bytes) return tl::unexpected(bytes.error());
+    if (auto exists = check_exists(file); !exists) return tl::unexpected(exists.error());
     try {
         DatabasePointer database = open_read_only(file, params);
         if (auto content = check_content(*database, file, params); !content)
@@ -170,6 +174,22 @@ LedgerResult<DatabasePointer> open_ledger_file_to_read(const fs::path& file, con
         return database;
     } catch (const SQLite::Exception& complaint) {
         return tl::unexpected(explain(complaint, "open", file));
+    }
+}
+
+LedgerResult<LedgerFacts> inspect_ledger_file(const fs::path& file, const LedgerParams& params) {
+    if (auto exists = check_exists(file); !exists) return tl::unexpected(exists.error());
+    try {
+        const DatabasePointer database = open_read_only(file, params);
+        if (auto identity = check_ledger_identity(*database, file); !identity)
+            return tl::unexpected(identity.error());
+        LedgerFacts facts;
+        facts.tables_version = ledger_version(*database);
+        facts.write_ahead_log = database->execAndGet("PRAGMA journal_mode").getString() == "wal";
+        facts.complaints = check_lines(*database, false);
+        return facts;
+    } catch (const SQLite::Exception& complaint) {
+        return tl::unexpected(explain(complaint, "read", file));
     }
 }
 

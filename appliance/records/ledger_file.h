@@ -2,12 +2,16 @@
 // it.
 #pragma once
 
-#include <SQLiteCpp/Database.h>
-
 #include <filesystem>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "appliance/records/defect_ledger.h"
+
+namespace SQLite {
+class Database;
+}
 
 namespace deixis {
 
@@ -18,6 +22,9 @@ LedgerResult<std::unique_ptr<SQLite::Database>> open_ledger_file(const std::file
 /// A connection that cannot write; a copy in memory when the tables are of an older version.
 LedgerResult<std::unique_ptr<SQLite::Database>> open_ledger_file_to_read(const std::filesystem::path& file,
                                                                          const LedgerParams& params);
+
+/// All of LedgerFacts but the number of defects.
+LedgerResult<LedgerFacts> inspect_ledger_file(const std::filesystem::path& file, const LedgerParams& params);
 
 /// Lines of SQLite's check, without its "ok". `quick` skips the indices. Throws SQLite::Exception.
 std::vector<std::string> check_lines(SQLite::Database& database, bool quick);
