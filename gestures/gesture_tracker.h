@@ -5,9 +5,13 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
-#include <span>
+#include <vector>
 
+#include "gestures/arm.h"
+#include "gestures/dwell.h"
+#include "gestures/limbs.h"
 #include "gestures/mark.h"
+#include "gestures/pointing.h"
 #include "tracking/geometry/ray_caster.h"
 #include "tracking/geometry/result.h"
 #include "tracking/geometry/rigid_transform.h"
@@ -22,7 +26,6 @@ struct GestureInput {
     int64_t timestamp_us = 0;
     const WorkerBody& worker;
     const SurfacePoints& points;
-    std::span<const uint8_t> part_points;           ///< as given to WorkerVolume
     const RayCaster* part_surface = nullptr;        ///< part frame [m]; null = no part loaded
     std::optional<RigidTransform> world_from_part;  ///< set exactly while the part is tracked
     bool part_at_rest = false;
@@ -33,29 +36,48 @@ struct GestureOutput {
     std::optional<Mark> mark;        ///< on the frame that completes a dwell
 };
 
+struct GestureParams {
+    LimbFinder::Params limbs;
+    ArmFinder::Params arms;
+    PointingParams pointing;
+    DwellDetector::Params dwell;
+
+    InvalidSettings validate() const;
+};
+
 /// Deterministic; depends on time only through the stamps. After a jump back of the stamps it starts afresh.
 class GestureTracker {
   public:
-    struct Params {
-        double dwell_s = 1.0;      ///< how long a point is held to be a mark [s]
-        double eye_weight = 0.3;   ///< 0 = along the forearm, 1 = from the eye through the fingertip
-        double max_reach_m = 1.2;  ///< a hit farther than this from the fingertip is none [m]
-        double touch_m = 0.03;     ///< fingertip this near to the surface touches it [m]
+    /// `rig` gives the main axis of pointing (optional) and the places of its depth sensors, in the order of
+    /// `SurfacePoints::sensor`.
+    GestureTracker(const SensorRig& rig, const GestureParams& params);
 
-        InvalidSettings validate() const;
-    };
-
-    /// `rig` gives the pointing axis (optional) and the places of the depth sensors.
-    GestureTracker(const SensorRig& rig, Params params);
-    ~GestureTracker();
-    GestureTracker(GestureTracker&&) noexcept;
-    GestureTracker& operator=(GestureTracker&&) noexcept;
-
+    /// Both arms are followed (thesis 5.1.2: a cluster goes on as the closest one of the frame before); of
+    /// two that point, the ray is the one whose hit is nearer to its fingertip.
     GestureOutput update(const GestureInput& input);
 
+    /// The arms of the last update that reach out, whether or not they hit the part.
+    const std::vector<ArmCluster>& arms() const { return arms_.arms(); }
+
   private:
-    struct Impl;
-    std::unique_ptr<Impl> impl_;
+    /// One arm over time.
+    struct Track {
+        explicit Track(const DwellDetector::Params& params) : dwell(params) {}
+        DwellDetector dwell;
+        std::optional<Eigen::Vector3d> last_tip;
+        std::optional<PointingRay> ray;
+        double distance = 0;  ///< from fingertip to hit [m]
+    };
+
+    std::optional<Eigen::Vector3d> forward_of(const GestureInput& input) const;
+    void follow(const GestureInput& input);
+    void aim(const GestureInput& input, const ArmCluster& arm, Track& track) const;
+
+    GestureParams params_;
+    std::optional<Eigen::Vector3d> axis_;
+    LimbFinder limbs_;
+    ArmFinder arms_;
+    std::vector<Track> tracks_;
 };
 
 }  // namespace deixis

@@ -24,7 +24,8 @@ struct PointingRay {
     ArmSide arm = ArmSide::right;
     Eigen::Vector3d origin = Eigen::Vector3d::Zero();     ///< fingertip
     Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< unit
-    std::optional<PartSpot> hit;                            ///< where it meets the tracked part
+    std::optional<PartSpot> hit;                          ///< where it meets the tracked part
+    bool touch = false;                                   ///< the fingertip is at the surface of `hit`
 };
 
 /// One "defect here". Says nothing of records: the station gives it an id when it is committed.
