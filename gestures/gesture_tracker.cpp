@@ -24,21 +24,31 @@ std::optional<Eigen::Vector3d> horizontal(Eigen::Vector3d v) {
     return v.normalized();
 }
 
+GestureTracker::Params with_settings(GestureTracker::Params params) {
+    params.stillness.dwell_s = params.dwell_s;
+    params.pointing.eye_weight = params.eye_weight;
+    params.pointing.max_reach_m = params.max_reach_m;
+    params.pointing.touch_m = params.touch_m;
+    return params;
+}
+
 }  // namespace
 
-InvalidSettings GestureParams::validate() const {
-    InvalidSettings complaints = limbs.validate();
-    for (const InvalidSettings& more : {arms.validate(), pointing.validate(), dwell.validate()})
+InvalidSettings GestureTracker::Params::validate() const {
+    const Params whole = with_settings(*this);
+    InvalidSettings complaints = whole.limbs.validate();
+    for (const InvalidSettings& more :
+         {whole.arms.validate(), whole.pointing.validate(), whole.stillness.validate()})
         complaints.insert(complaints.end(), more.begin(), more.end());
     return complaints;
 }
 
-GestureTracker::GestureTracker(const SensorRig& rig, const GestureParams& params)
-    : params_(params),
+GestureTracker::GestureTracker(const SensorRig& rig, const Params& params)
+    : params_(with_settings(params)),
       axis_(rig.pointing_axis ? horizontal(*rig.pointing_axis) : std::nullopt),
       limbs_(params.limbs),
       arms_(depth_sensors_of(rig), params.arms),
-      tracks_(2, Track(params.dwell)) {}
+      tracks_(2, Track(params_.stillness)) {}
 
 GestureOutput GestureTracker::update(const GestureInput& input) {
     follow(input);

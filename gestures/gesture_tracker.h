@@ -3,8 +3,8 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "gestures/arm.h"
@@ -26,6 +26,7 @@ struct GestureInput {
     int64_t timestamp_us = 0;
     const WorkerBody& worker;
     const SurfacePoints& points;
+    std::span<const uint8_t> part_points;           ///< as given to WorkerVolume
     const RayCaster* part_surface = nullptr;        ///< part frame [m]; null = no part loaded
     std::optional<RigidTransform> world_from_part;  ///< set exactly while the part is tracked
     bool part_at_rest = false;
@@ -36,21 +37,27 @@ struct GestureOutput {
     std::optional<Mark> mark;        ///< on the frame that completes a dwell
 };
 
-struct GestureParams {
-    LimbFinder::Params limbs;
-    ArmFinder::Params arms;
-    PointingParams pointing;
-    DwellDetector::Params dwell;
-
-    InvalidSettings validate() const;
-};
-
 /// Deterministic; depends on time only through the stamps. After a jump back of the stamps it starts afresh.
 class GestureTracker {
   public:
+    /// The first four are what a station sets; they stand in place of the fields of the same name in the
+    /// stages.
+    struct Params {
+        double dwell_s = 1.0;      ///< how long a point is held to be a mark [s]
+        double eye_weight = 0.35;  ///< 0 = along the forearm, 1 = from the eye through the fingertip
+        double max_reach_m = 1.2;  ///< a hit farther than this from the fingertip is none [m]
+        double touch_m = 0.05;     ///< a surface nearer than this before the fingertip is touched [m]
+        LimbFinder::Params limbs;
+        ArmFinder::Params arms;
+        PointingParams pointing;
+        DwellDetector::Params stillness;
+
+        InvalidSettings validate() const;
+    };
+
     /// `rig` gives the main axis of pointing (optional) and the places of its depth sensors, in the order of
     /// `SurfacePoints::sensor`.
-    GestureTracker(const SensorRig& rig, const GestureParams& params);
+    GestureTracker(const SensorRig& rig, const Params& params);
 
     /// Both arms are followed (thesis 5.1.2: a cluster goes on as the closest one of the frame before); of
     /// two that point, the ray is the one whose hit is nearer to its fingertip.
@@ -73,7 +80,7 @@ class GestureTracker {
     void follow(const GestureInput& input);
     void aim(const GestureInput& input, const ArmCluster& arm, Track& track) const;
 
-    GestureParams params_;
+    Params params_;
     std::optional<Eigen::Vector3d> axis_;
     LimbFinder limbs_;
     ArmFinder arms_;
