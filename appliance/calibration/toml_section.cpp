@@ -78,6 +78,12 @@ const toml::node* TomlSection::take(std::string_view key, const char* expected, 
     return node;
 }
 
+std::vector<std::string> TomlSection::keys() const {
+    std::vector<std::string> keys;
+    for (const auto& [key, node] : *table_) keys.emplace_back(key.str());
+    return keys;
+}
+
 void TomlSection::ignore(std::string_view key) {
     taken_.emplace(key);
 }

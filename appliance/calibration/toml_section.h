@@ -62,6 +62,9 @@ class TomlSection {
     /// RFC 3339 UTC, as a string or as TOML's own date-time; required.
     std::string utc_time(std::string_view key);
 
+    /// All keys, in the order of the alphabet.
+    std::vector<std::string> keys() const;
+
     /// Takes `key` without looking at it.
     void ignore(std::string_view key);
 

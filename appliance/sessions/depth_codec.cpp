@@ -8,9 +8,10 @@
 namespace deixis {
 namespace {
 
-// With d = previous - current: |d| <= 6 is the nibble d + 6, two nibbles a byte, high first; 0x66 (two equal pixels) is
-// counted and written as 0xE0 + count; |d| <= 63 is the byte 192 + d; anything else the value itself, big-endian, which
-// leaves its top bit free to tell the two apart. Before either stands a byte ending in 0xF that says so.
+// With d = previous - current: |d| <= 6 is the nibble d + 6, two nibbles a byte, high first; 0x66 (two equal
+// pixels) is counted and written as 0xE0 + count; |d| <= 63 is the byte 192 + d; anything else the value
+// itself, big-endian, which leaves its top bit free to tell the two apart. Before either stands a byte ending
+// in 0xF that says so.
 constexpr int nibble_reach = 6;
 constexpr int byte_reach = 63;
 constexpr int byte_middle = 192;
@@ -47,7 +48,8 @@ class CodeWriter {
     }
 
     uint8_t* end() {
-        // The count first: the stock Recorder has these two the wrong way round and so permutes the last pixels.
+        // The count first: the stock Recorder has these two the wrong way round and so permutes the last
+        // pixels.
         flush_run();
         if (waiting_ >= 0) *out_++ = static_cast<uint8_t>((waiting_ << 4) | ending);
         return out_;
@@ -86,7 +88,9 @@ void put_u16(uint8_t*& out, uint16_t value) {
     *out++ = static_cast<uint8_t>(value >> 8);
 }
 
-uint16_t u16_at(const uint8_t* p) { return static_cast<uint16_t>(p[0] | (p[1] << 8)); }
+uint16_t u16_at(const uint8_t* p) {
+    return static_cast<uint16_t>(p[0] | (p[1] << 8));
+}
 
 /// Codes to symbols in [0, limit), each given to `value_of` on its way into a pixel.
 template <class ValueOf>
@@ -116,7 +120,8 @@ std::optional<CodecFault> decode_codes(std::span<const uint8_t> coded, size_t at
         const int high = byte >> 4;
         const int low = byte & 0x0F;
         if (byte != 0xFF) {
-            if (high > 2 * nibble_reach) return CodecFault{at, "a difference of at most 6 in the high nibble"};
+            if (high > 2 * nibble_reach)
+                return CodecFault{at, "a difference of at most 6 in the high nibble"};
             if (done == count) return CodecFault{at, more_pixels};
             symbol += nibble_reach - high;
             if (symbol < 0 || symbol >= limit) return CodecFault{at, in_range};
@@ -168,9 +173,12 @@ std::optional<CodecFault> decode_table(std::span<const uint8_t> coded, std::span
 
 const char* name_of(OniCodec codec) {
     switch (codec) {
-        case OniCodec::none: return "NONE";
-        case OniCodec::differences: return "16zP";
-        case OniCodec::table: return "16zT";
+        case OniCodec::none:
+            return "NONE";
+        case OniCodec::differences:
+            return "16zP";
+        case OniCodec::table:
+            return "16zT";
     }
     return "";
 }
@@ -216,7 +224,8 @@ bool DepthEncoder::encode(OniCodec codec, std::span<const uint16_t> pixels, std:
     return all_coded;
 }
 
-std::optional<CodecFault> decode_depth(OniCodec codec, std::span<const uint8_t> coded, std::span<uint16_t> pixels) {
+std::optional<CodecFault> decode_depth(OniCodec codec, std::span<const uint8_t> coded,
+                                       std::span<uint16_t> pixels) {
     assert(!pixels.empty());
     if (codec == OniCodec::table) return decode_table(coded, pixels);
     if (codec == OniCodec::differences)

@@ -4,25 +4,12 @@
 #include <cstdint>
 #include <filesystem>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "appliance/sessions/session_writer.h"
 #include "tracking/geometry/result.h"
 
 namespace deixis {
-
-/// timestamps.csv: one entry a frame.
-struct FrameStamps {
-    std::vector<int64_t> timestamp_us;  ///< strictly rising
-    std::vector<int64_t> host_us;       ///< empty when the file has no such column
-};
-
-/// Header `frame,timestamp_us` or `frame,timestamp_us,host_us`, frames from 0 without gaps. A byte order
-/// mark, CRLF, blanks around fields and empty last lines pass; everything else is refused, naming `name` and
-/// line.
-Result<FrameStamps> parse_timestamps(std::string_view text, const std::string& name);
-Result<FrameStamps> read_timestamps(const std::filesystem::path& path);
 
 struct ImportReport {
     std::vector<int64_t> frames;        ///< a sensor, in the order of calibration.toml

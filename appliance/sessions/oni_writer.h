@@ -43,7 +43,8 @@ class OniWriter {
     /// them, the frames before stay good and the writer can go on or finish.
     Result<void> append(int64_t timestamp_us, const DepthImage& image);
 
-    /// Writes seek table and end, patches the heads, waits for the disk. Nothing may be appended after it.
+    /// Writes seek table and end, patches the heads, waits for the disk. Nothing can be appended after it; a
+    /// second call does nothing.
     Result<void> finish();
 
     int64_t frames() const;
@@ -62,8 +63,8 @@ struct MendedRecording {
 };
 
 /// Makes a recording whole in place: cuts a torn last record or a zero tail (the Recorder leaves one), writes
-/// the missing end, patches the heads. Refuses a file whose damage begins before its first frame record,
-/// naming byte and expectation.
+/// the missing end, patches the heads. Refuses, naming byte and expectation, a file whose head is damaged and
+/// one that was closed but has no whole first frame.
 Result<MendedRecording> mend_recording(const std::filesystem::path& path);
 
 }  // namespace deixis

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "appliance/sessions/stream_checksum.h"
 #include "tracking/geometry/depth_image.h"
 #include "tracking/geometry/result.h"
 #include "tracking/geometry/sensor_rig.h"
@@ -52,10 +53,6 @@ Result<VideoStream> open_video_stream(const SessionStream& stream);
 
 /// The host's arrival time of each frame of a stream; empty where they were not known.
 Result<std::vector<int64_t>> read_host_times(const SessionStream& stream);
-
-/// "xxh3-64:<16 hex digits>" of a file's bytes; of a folder: of its timestamps.csv and then of its PNG files
-/// in the order of their names, as if they were one file.
-Result<std::string> stream_checksum(const std::filesystem::path& file_or_folder);
 
 /// The empty cell as one depth image a depth sensor, in the rig's order; nullopt where the session holds
 /// none.
