@@ -14,17 +14,25 @@
 namespace deixis {
 
 struct PartTrackerParams {
-    int search_period = 10;     ///< framesets from one search attempt to the next
-    double max_tilt_deg = 180;  ///< of the part's z axis against the world's; 180: stands in any attitude
-    double fitness_min =
-        0.70;  ///< share of visible reference points found, below which a pose is not believed
-    double visible_min = 0.20;        ///< share of the reference points turned to a sensor that must be found
-    int confirm_frames = 3;           ///< framesets a found pose must hold before it counts as tracking
-    int lost_frames = 3;              ///< framesets in a row without the part until it is lost
-    double rest_s = 0.5;              ///< the part must keep still this long to be at rest [s]
-    double rest_mm = 5;               ///< ... within this, at any of its points [mm]
-    double motion_mm = 9;             ///< a resting part that is farther off than this has moved [mm]
-    bool validate_free_space = true;  ///< count reference points that the sensors see through
+    int search_period = 10;        ///< framesets from one search attempt to the next
+    double max_tilt_deg = 180;     ///< of the part's z axis against the world's; 180: stands in any attitude
+    double found_fitness = 0.90;   ///< share of the visible reference points that a new pose must find
+    double found_residual = 0.25;  ///< mean depth error of a new pose, in tolerances, at most
+    double held_fitness = 0.75;    ///< as found_fitness, for a pose that is tracked
+    double held_residual = 0.40;   ///< as found_residual, for a pose that is tracked
+    double found_share_min =
+        0.20;  ///< of the reference points turned to a sensor that must be found, not hidden
+    double held_share_min = 0.08;  ///< as found_share_min, for a pose that is tracked
+    double seen_through_max =
+        0.04;                    ///< share of the judged reference points behind which a sensor sees farther
+    double rival_margin = 0.07;  ///< a different pose within this residual of the best makes it ambiguous
+    double lock_min = 0.0015;    ///< smallest eigenvalue of ICP's Hessian for a pose that cannot slide
+    int confirm_frames = 3;      ///< framesets a found pose must hold before it counts as tracking
+    int lost_frames = 3;         ///< framesets in a row without the part until it is searched again
+    double rest_s = 0.5;         ///< the part must keep still this long to be at rest [s]
+    double rest_mm = 5;          ///< ... within this [mm]
+    double motion_mm = 9;        ///< a resting part that is farther off than this has moved [mm]
+    int icp_points = 6000;       ///< of a frameset that ICP uses, at most
     InvalidSettings validate() const;
 };
 
