@@ -32,10 +32,10 @@ class ScreenFeed {
   public:
     virtual ~ScreenFeed() = default;
 
-    /// The part in the cell; null while none is known (answered as 404).
+    /// The part in the cell; null while none is known.
     virtual std::shared_ptr<const ScreenPart> part() = 0;
 
-    /// The calibrated sensors, for the cell view; null while unknown (answered as 404).
+    /// The calibrated sensors, for the cell view; null while unknown.
     virtual std::shared_ptr<const SensorRig> rig() = 0;
 
     /// The marks of the part in the cell as a JSON array, oldest first, withdrawn ones included:

@@ -109,14 +109,14 @@ HttpAnswer ScreenRoutes::api_answer(const HttpRequest& request, const LiveMessag
     }
     if (request.path == "/api/cell") {
         const auto rig = feed_.rig();
-        return rig ? json_answer(cell_json(*rig)) : error_answer(404, "The cell is not calibrated yet.");
+        return json_answer(rig ? cell_json(*rig) : "null");
     }
     return error_answer(404, "There is nothing at this address.");
 }
 
 HttpAnswer ScreenRoutes::part_answer(const HttpRequest& request, bool mesh) {
     const auto part = feed_.part();
-    if (!part) return error_answer(404, "No part is known yet.");
+    if (!part) return mesh ? error_answer(404, "No part is known yet.") : json_answer("null");
     if (part != encoded_part_) {
         const std::vector<uint8_t> bytes = encode_mesh(part->mesh);
         mesh_bytes_ = std::make_shared<const std::string>(bytes.begin(), bytes.end());

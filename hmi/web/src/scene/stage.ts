@@ -1,0 +1,139 @@
+// The drawn picture: the chosen view large, the other as an inset; renders only when something changed.
+import { Box3, Vector3, WebGLRenderer } from "three";
+
+import type { Changed, ScreenState, StateKey, Store, ViewName } from "../store";
+import { FloorLayer } from "./floor_layer";
+import { extentOf, frontDirection } from "./front_side";
+import { MarksLayer } from "./marks_layer";
+import { PartLayer } from "./part_layer";
+import { PointingLayer } from "./pointing_layer";
+import { SceneView } from "./scene_view";
+import { SensorsLayer } from "./sensors_layer";
+import { WorkerLayer } from "./worker_layer";
+
+const followed: readonly StateKey[] = [
+    "live", "now", "link", "mesh", "cell", "marks", "arrivals", "voxels", "selectedMark", "view",
+];
+const pickShare = 0.04; // how near a tap must be to a dot, of the picture's height
+const other: Readonly<Record<ViewName, ViewName>> = { part: "cell", cell: "part" };
+
+export class Stage {
+    private readonly renderer: WebGLRenderer;
+    private readonly views: Readonly<Record<ViewName, SceneView>>;
+    private readonly partMarks: Readonly<Record<ViewName, MarksLayer>>;
+    private readonly sizes: ResizeObserver;
+    private readonly unwatch: () => void;
+    private scheduled = 0;
+
+    /** Draws into `container`; `inset` is the element over which the other view is drawn. Throws without WebGL. */
+    constructor(
+        private readonly container: HTMLElement,
+        private readonly inset: HTMLElement,
+        private readonly store: Store,
+    ) {
+        this.renderer = new WebGLRenderer({ antialias: true, alpha: true });
+        this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
+        this.renderer.setScissorTest(true);
+        this.renderer.autoClear = false;
+        const canvas = this.renderer.domElement;
+        container.prepend(canvas);
+
+        const onMove = () => this.schedule();
+        const part = new SceneView(canvas, onMove);
+        const cell = new SceneView(canvas, onMove);
+        this.views = { part, cell };
+        this.partMarks = {
+            part: new MarksLayer("part", part.camera, 0.046),
+            cell: new MarksLayer("world", cell.camera, 0.034),
+        };
+        part.add(new PartLayer("part"));
+        part.add(new PointingLayer("part", part.camera, 0.0035, 0.07));
+        part.add(this.partMarks.part);
+        cell.add(new FloorLayer());
+        cell.add(new PartLayer("world"));
+        cell.add(new WorkerLayer());
+        cell.add(new SensorsLayer(cell.camera, 0.035));
+        cell.add(new PointingLayer("world", cell.camera, 0.009, 0.05));
+        cell.add(this.partMarks.cell);
+
+        canvas.addEventListener("click", (event) => this.pick(event));
+        this.sizes = new ResizeObserver(() => this.resize());
+        this.sizes.observe(container);
+        this.sizes.observe(inset);
+        this.unwatch = store.watch(followed, (state, changed) => this.follow(state, changed));
+    }
+
+    goHome(): void {
+        this.views[this.store.state.view].goHome();
+        this.schedule();
+    }
+
+    dispose(): void {
+        this.unwatch();
+        this.sizes.disconnect();
+        cancelAnimationFrame(this.scheduled);
+        this.views.part.dispose();
+        this.views.cell.dispose();
+        this.renderer.dispose();
+        this.renderer.domElement.remove();
+    }
+
+    private follow(state: ScreenState, changed: Changed): void {
+        let drawn = changed.has("view");
+        if (changed.has("mesh") && state.mesh !== null) {
+            const extent = extentOf(state.mesh);
+            const front = new Vector3(...frontDirection(state.mesh));
+            front.z = 0.28; // a standing person looks down at it
+            this.views.part.frame(new Box3(new Vector3(...extent.min), new Vector3(...extent.max)), front);
+        }
+        if (changed.has("cell")) {
+            const box = state.cell?.box ?? { min: [-2, -1.5, 0] as const, max: [2, 1.5, 2.2] as const };
+            this.views.cell.frame(
+                new Box3(new Vector3(...box.min), new Vector3(...box.max)),
+                new Vector3(0.75, -1, 0.55),
+            );
+        }
+        if (changed.has("view"))
+            for (const name of ["part", "cell"] as const) this.views[name].active = name === state.view;
+        for (const name of ["part", "cell"] as const) drawn = this.views[name].update(state, changed) || drawn;
+        if (drawn) this.schedule();
+    }
+
+    private pick(event: MouseEvent): void {
+        const { left, top, width, height } = this.renderer.domElement.getBoundingClientRect();
+        const x = ((event.clientX - left) / width) * 2 - 1;
+        const y = 1 - ((event.clientY - top) / height) * 2;
+        const selectedMark = this.partMarks[this.store.state.view].at(x, y, width / height, pickShare);
+        this.store.update({ selectedMark });
+    }
+
+    private resize(): void {
+        this.renderer.setSize(this.container.clientWidth, this.container.clientHeight);
+        this.schedule();
+    }
+
+    private schedule(): void {
+        if (this.scheduled === 0) this.scheduled = requestAnimationFrame((now) => this.render(now));
+    }
+
+    private render(now: number): void {
+        this.scheduled = 0;
+        const whole = this.container.getBoundingClientRect();
+        const corner = this.inset.getBoundingClientRect();
+        if (whole.width === 0 || whole.height === 0) return;
+        const { view } = this.store.state;
+        let moving = this.views[view].animate(now);
+        moving = this.views[other[view]].animate(now) || moving;
+        this.draw(view, 0, 0, whole.width, whole.height);
+        if (corner.width > 0)
+            this.draw(other[view], corner.left - whole.left, whole.bottom - corner.bottom, corner.width, corner.height);
+        if (moving) this.schedule();
+    }
+
+    private draw(name: ViewName, x: number, y: number, width: number, height: number): void {
+        this.renderer.setViewport(x, y, width, height);
+        this.renderer.setScissor(x, y, width, height);
+        this.renderer.clear();
+        this.views[name].render(this.renderer, width, height);
+    }
+}
