@@ -1,0 +1,402 @@
+// Lock-step replay through real `deixis sensor` processes and stock OpenNI2: nothing lost, nothing changed,
+// whatever happens to the children.
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <signal.h>
+#include <sys/stat.h>
+
+#include <fstream>
+#include <optional>
+
+#include "appliance/sensors/frame_source.h"
+#include "tests/appliance/sensors/sensor_stage.h"
+
+namespace deixis {
+namespace {
+
+using namespace test;
+using namespace std::chrono_literals;
+using Outcome = FrameSource::Outcome;
+using testing::HasSubstr;
+
+FrameSourceParams lock_step() {
+    FrameSourceParams params = stage_params();
+    params.lock_step = true;
+    return params;
+}
+
+/// Everything a replay gave: per frameset its stamp and, per sensor, number and stamp of the frame.
+struct Replayed {
+    struct Line {
+        int64_t timestamp_us = 0;
+        std::vector<std::optional<std::pair<uint32_t, int64_t>>> frames;
+        bool operator==(const Line&) const = default;
+    };
+    std::vector<Line> lines;
+    std::vector<SensorHealth> health;
+    bool ended = false;
+};
+
+/// Reads to the end, at most a minute; every frame must be the numbered image of its sensor.
+Replayed replay(FrameSource& source, const std::function<void(size_t line, FrameSource&)>& disturb = {}) {
+    Replayed replayed;
+    Frameset set;
+    within(60s, [&] {
+        const Outcome outcome = source.next(set, 100ms);
+        if (outcome == Outcome::end) return replayed.ended = true;
+        if (outcome == Outcome::timeout) return false;
+        Replayed::Line line{set.timestamp_us, {}};
+        for (size_t s = 0; s < set.frames.size(); ++s) {
+            const DepthFrame& frame = set.frames[s];
+            if (!frame.present) {
+                line.frames.emplace_back();
+                continue;
+            }
+            const uint32_t number = frame.depth.millimetres[0];
+            const DepthImage expected =
+                numbered_image(stage_width, stage_height, number, static_cast<uint32_t>(s));
+            EXPECT_EQ(frame.depth.millimetres, expected.millimetres)
+                << "sensor " << s << ", frame " << number;
+            line.frames.emplace_back(std::pair(number, frame.timestamp_us));
+        }
+        replayed.lines.push_back(line);
+        if (disturb) disturb(replayed.lines.size(), source);
+        return false;
+    });
+    replayed.health = source.health();
+    return replayed;
+}
+
+Replayed replay(const std::vector<SensorSpec>& specs, const FrameSourceParams& params = lock_step(),
+                const std::function<void(size_t, FrameSource&)>& disturb = {}) {
+    const auto source = open_stage(specs, params);
+    return replay(*source, disturb);
+}
+
+/// Two sensors that do not agree on count, phase and rate.
+struct TwoSensors {
+    ScratchFolder folder;
+    std::vector<int64_t> left = steady_stamps(150), right = steady_stamps(110, 11'000, 41'000.7);
+    std::vector<SensorSpec> specs;
+
+    TwoSensors() {
+        write_recording(folder / "left.oni", left, 0);
+        write_recording(folder / "right.oni", right, 1);
+        specs = {recording_spec("left", folder / "left.oni"), recording_spec("right", folder / "right.oni")};
+        specs[0].start_us = 1'000'000;
+        specs[1].start_us = 1'004'000;
+        specs[0].frames = static_cast<int64_t>(left.size());
+        specs[1].frames = static_cast<int64_t>(right.size());
+    }
+
+    void expect_whole(const Replayed& replayed) const {
+        EXPECT_TRUE(replayed.ended);
+        ASSERT_EQ(replayed.lines.size(), left.size());
+        for (size_t i = 0; i < left.size(); ++i) {
+            const auto& line = replayed.lines[i];
+            const int64_t stamp = left[i] + 1'000'000;
+            ASSERT_EQ(line.timestamp_us, stamp);
+            ASSERT_EQ(line.frames[0], std::pair(static_cast<uint32_t>(i + 1), stamp));
+            size_t nearest = 0;
+            for (size_t j = 1; j < right.size(); ++j)
+                if (std::abs(right[j] + 1'004'000 - stamp) < std::abs(right[nearest] + 1'004'000 - stamp))
+                    nearest = j;
+            const int64_t partner = right[nearest] + 1'004'000;
+            ASSERT_EQ(line.frames[1].has_value(), std::abs(partner - stamp) <= 17'000) << "frameset " << i;
+            if (line.frames[1])
+                ASSERT_EQ(line.frames[1], std::pair(static_cast<uint32_t>(nearest + 1), partner));
+        }
+    }
+};
+
+TEST(ReplayProcess, DeliversEveryFrameOfTheFirstWithTheNearestOfTheSecond) {
+    const TwoSensors two;
+    const Replayed first = replay(two.specs), second = replay(two.specs);
+    two.expect_whole(first);
+    EXPECT_EQ(first.lines, second.lines);
+    for (const SensorHealth& h : first.health) {
+        EXPECT_EQ(h.state, SensorState::finished) << h.name << ": " << h.reason;
+        EXPECT_EQ(h.dropped, 0U);
+        EXPECT_EQ(h.corrupt, 0U);
+        EXPECT_EQ(h.restarts, 0U);
+    }
+    EXPECT_EQ(first.health[0].frames, two.left.size());
+}
+
+TEST(ReplayProcess, AStationThatIsSlowLosesNothing) {
+    const TwoSensors two;
+    FrameSourceParams params = lock_step();
+    params.ring_frames = 2;
+    two.expect_whole(replay(two.specs, params, [](size_t line, FrameSource&) {
+        if (line % 50 == 0) usleep(300'000);  // a station that is busy with something else
+    }));
+}
+
+TEST(ReplayProcess, GoesOnExactlyWhereAKilledChildWas) {
+    const TwoSensors two;
+    const Replayed replayed = replay(two.specs, lock_step(), [](size_t line, FrameSource& source) {
+        if (line == 20 || line == 90) kill(source.health()[0].process_id, SIGKILL);
+        if (line == 50) kill(source.health()[1].process_id, SIGKILL);
+    });
+    two.expect_whole(replayed);
+    EXPECT_GE(replayed.health[0].restarts + replayed.health[1].restarts, 2U);
+}
+
+TEST(ReplayProcess, EndsAndReplacesAChildThatHangs) {
+    const TwoSensors two;
+    FrameSourceParams params = lock_step();
+    params.stall_limit = 300ms;
+    params.ring_frames = 2;
+    std::string said;
+    const auto source = open_stage(two.specs, params);
+    Frameset set;
+    for (int i = 0; i < 10;) i += source->next(set, 100ms) == Outcome::frameset ? 1 : 0;
+    kill(source->health()[0].process_id, SIGSTOP);
+    within(20s, [&] {
+        for (const SensorHealth& h : source->health())
+            if (h.state == SensorState::restarting) said = h.reason;
+        return source->next(set, 10ms) == Outcome::end;
+    });
+    EXPECT_THAT(said, HasSubstr("the sensor process gave no sign of life for 0."));
+    EXPECT_EQ(source->health()[0].frames, two.left.size());
+    EXPECT_GE(source->health()[0].restarts, 1U);
+    EXPECT_EQ(source->health()[0].state, SensorState::finished) << source->health()[0].reason;
+}
+
+TEST(ReplayProcess, TwoSensorsEndApart) {
+    ScratchFolder folder;
+    write_recording(folder / "a.oni", steady_stamps(40), 0);
+    write_recording(folder / "b.oni", steady_stamps(10), 1);
+    const std::vector<SensorSpec> a_first = {recording_spec("a", folder / "a.oni"),
+                                             recording_spec("b", folder / "b.oni")};
+    const Replayed longer = replay(a_first);
+    EXPECT_TRUE(longer.ended);
+    ASSERT_EQ(longer.lines.size(), 40U);
+    for (size_t i = 0; i < 40; ++i) EXPECT_EQ(longer.lines[i].frames[1].has_value(), i < 10) << i;
+
+    auto b_first = a_first;
+    write_recording(folder / "b0.oni", steady_stamps(10), 0);
+    write_recording(folder / "a1.oni", steady_stamps(40), 1);
+    b_first[0].uri = folder / "b0.oni";
+    b_first[1].uri = folder / "a1.oni";
+    const Replayed shorter = replay(b_first);
+    EXPECT_TRUE(shorter.ended);
+    ASSERT_EQ(shorter.lines.size(), 10U);
+    for (const auto& line : shorter.lines) EXPECT_TRUE(line.frames[1].has_value());
+}
+
+TEST(ReplayProcess, OneFrameAndNoFrame) {
+    ScratchFolder folder;
+    write_recording(folder / "one.oni", {0}, 0);
+    const Replayed one = replay(std::vector{recording_spec("one", folder / "one.oni")});
+    EXPECT_TRUE(one.ended);
+    ASSERT_EQ(one.lines.size(), 1U);
+    EXPECT_EQ(one.health[0].state, SensorState::finished);
+
+    write_recording(folder / "none.oni", {}, 0);
+    const Replayed none = replay(std::vector{recording_spec("none", folder / "none.oni")});
+    EXPECT_TRUE(none.ended);
+    EXPECT_EQ(none.lines.size(), 0U);
+}
+
+TEST(ReplayProcess, AShortRecordingIsNotTakenForAWholeOne) {
+    ScratchFolder folder;
+    write_recording(folder / "a.oni", steady_stamps(5), 0);
+    auto spec = recording_spec("a", folder / "a.oni");
+    spec.frames = 6;
+    const Replayed replayed = replay(std::vector{spec});
+    EXPECT_TRUE(replayed.ended);
+    EXPECT_EQ(replayed.lines.size(), 5U);
+    EXPECT_EQ(replayed.health[0].state, SensorState::missing);
+    EXPECT_THAT(replayed.health[0].reason, HasSubstr("a.oni: ended after 5 frames, expected 6"));
+}
+
+TEST(ReplayProcess, PlaysAtItsOwnPaceWithoutLoss) {
+    ScratchFolder folder;
+    write_recording(folder / "a.oni", steady_stamps(31), 0);
+    write_recording(folder / "b.oni", steady_stamps(31, 3'000), 1);
+    FrameSourceParams params = lock_step();
+    params.real_time = true;
+    const int64_t begin = host_now_us();
+    const Replayed replayed =
+        replay({recording_spec("a", folder / "a.oni"), recording_spec("b", folder / "b.oni")}, params);
+    EXPECT_GE(host_now_us() - begin, 1'000'000);
+    ASSERT_EQ(replayed.lines.size(), 31U);
+    for (const auto& line : replayed.lines) EXPECT_TRUE(line.frames[1].has_value());
+}
+
+struct BadFile {
+    const char* name;
+    std::function<void(const std::filesystem::path&)> make;
+    const char* sentence;
+};
+
+void cut_to(const std::filesystem::path& path, double share) {
+    write_recording(path, steady_stamps(20));
+    std::filesystem::resize_file(path, static_cast<uintmax_t>(std::filesystem::file_size(path) * share));
+}
+
+void flip(const std::filesystem::path& path, size_t offset) {
+    write_recording(path, steady_stamps(20));
+    std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+    file.seekg(static_cast<std::streamoff>(offset));
+    const char flipped = static_cast<char>(file.get() ^ 0x55);
+    file.seekp(static_cast<std::streamoff>(offset));
+    file.put(flipped);
+}
+
+const std::vector<BadFile>& bad_files() {
+    static const std::vector<BadFile> cases = {
+        {"missing", [](const auto&) {}, ": does not exist"},
+        {"folder", [](const auto& p) { std::filesystem::create_directory(p); },
+         ": is not a file, expected an OpenNI2"},
+        {"fifo", [](const auto& p) { ASSERT_EQ(mkfifo(p.c_str(), 0600), 0); },
+         ": is not a file, expected an OpenNI2"},
+        {"device", [](const auto& p) { std::filesystem::create_symlink("/dev/null", p); },
+         ": is not a file, expected an OpenNI2"},
+        {"endless device", [](const auto& p) { std::filesystem::create_symlink("/dev/zero", p); },
+         ": is not a file, expected an OpenNI2"},
+        {"empty", [](const auto& p) { std::ofstream file(p); }, ": byte 0: expected"},
+        {"text", [](const auto& p) { std::ofstream(p) << std::string(10'000, 'x'); }, ": byte 0: expected"},
+        {"cut in the head", [](const auto& p) { cut_to(p, 0.001); }, ": byte "},
+        {"cut in a frame", [](const auto& p) { cut_to(p, 0.5); }, ": "},
+        {"cut before its end", [](const auto& p) { cut_to(p, 0.999); }, ": "},
+        {"flipped version", [](const auto& p) { flip(p, 5); }, ": byte "},
+        {"flipped node id", [](const auto& p) { flip(p, 18); }, ": byte "},
+        {"flipped codec", [](const auto& p) { flip(p, 66); }, ": byte "},
+        {"other size", [](const auto& p) { write_recording(p, steady_stamps(3), 0, 80, 60); },
+         ": is 80x60, expected 160x120"},
+        {"infrared",
+         [](const auto& p) {
+             auto writer = OniWriter::create(p, {stage_width, stage_height, 1.0, 0.8, true, 30});
+             ASSERT_TRUE(writer && writer->append(0, numbered_image(stage_width, stage_height, 1)));
+             ASSERT_TRUE(writer->finish());
+         },
+         ": is an infrared recording, expected depth"},
+        {"not finished",
+         [](const auto& p) {
+             auto writer = OniWriter::create(p, {stage_width, stage_height, 1.0, 0.8, false, 30});
+             for (uint32_t n = 1; n < 5; ++n)
+                 ASSERT_TRUE(writer && writer->append(n, numbered_image(stage_width, stage_height, n)));
+         },
+         "mend"},
+    };
+    return cases;
+}
+
+TEST(ReplayProcess, BadFilesAreNamedAndGivenUpAtOnce) {
+    ScratchFolder folder;
+    for (const BadFile& c : bad_files()) {
+        SCOPED_TRACE(c.name);
+        const auto path = folder / (std::string(c.name) + ".oni");
+        c.make(path);
+        const Replayed replayed = replay(std::vector{recording_spec("left", path)});
+        EXPECT_TRUE(replayed.ended);
+        EXPECT_EQ(replayed.lines.size(), 0U);
+        EXPECT_EQ(replayed.health[0].state, SensorState::missing);
+        EXPECT_EQ(replayed.health[0].restarts, 0U);
+        EXPECT_THAT(replayed.health[0].reason, HasSubstr(path.string()));
+        EXPECT_THAT(replayed.health[0].reason, HasSubstr(c.sentence));
+        EXPECT_EQ(replayed.health[0].reason.find('\n'), std::string::npos);
+    }
+}
+
+TEST(ReplayProcess, AMissingSecondSensorLeavesItsFramesOut) {
+    ScratchFolder folder;
+    write_recording(folder / "left.oni", steady_stamps(12), 0);
+    const Replayed replayed =
+        replay({recording_spec("left", folder / "left.oni"), recording_spec("right", folder / "right.oni")});
+    EXPECT_TRUE(replayed.ended);
+    ASSERT_EQ(replayed.lines.size(), 12U);
+    for (const auto& line : replayed.lines) EXPECT_FALSE(line.frames[1].has_value());
+    EXPECT_EQ(replayed.health[1].state, SensorState::missing);
+}
+
+TEST(ReplayProcess, SparseTailOfTheStockRecorderIsNoDamage) {
+    ScratchFolder folder;
+    const auto path = folder / "left.oni";
+    write_recording(path, steady_stamps(10), 0);
+    std::filesystem::resize_file(path, 2 * std::filesystem::file_size(path));
+    const Replayed replayed = replay(std::vector{recording_spec("left", path)});
+    EXPECT_TRUE(replayed.ended);
+    EXPECT_EQ(replayed.lines.size(), 10U) << replayed.health[0].reason;
+    EXPECT_EQ(replayed.health[0].state, SensorState::finished);
+}
+
+TEST(ReplayProcess, PathLongerThanOpenniTakes) {
+    ScratchFolder folder;
+    const auto deep =
+        folder / (std::string(120, 'a') + "/" + std::string(120, 'b') + "/" + std::string(60, 'c'));
+    std::filesystem::create_directories(deep);
+    write_recording(deep / "left.oni", steady_stamps(10), 0);
+    const Replayed replayed = replay(std::vector{recording_spec("left", deep / "left.oni")});
+    EXPECT_EQ(replayed.lines.size(), 10U) << replayed.health[0].reason;
+}
+
+TEST(ReplayProcess, ClosingAgainAndAgainNeverCrashes) {
+    // OpenNI2's player races with close; each child opens, plays to the end and closes by itself.
+    ScratchFolder folder;
+    write_recording(folder / "left.oni", steady_stamps(5), 0);
+    for (int i = 0; i < 25; ++i) {
+        const Replayed replayed = replay(std::vector{recording_spec("left", folder / "left.oni")});
+        ASSERT_EQ(replayed.lines.size(), 5U);
+        ASSERT_EQ(replayed.health[0].state, SensorState::finished) << replayed.health[0].reason;
+        ASSERT_EQ(replayed.health[0].restarts, 0U);
+    }
+}
+
+TEST(ReplayProcess, StoppingInTheMiddleLeavesNoProcessAndNoMemory) {
+    const TwoSensors two;
+    std::vector<int> processes;
+    for (int i = 0; i < 10; ++i) {
+        const auto source = open_stage(two.specs, lock_step());
+        Frameset set;
+        for (int n = 0; n < i;) n += source->next(set, 100ms) == Outcome::frameset ? 1 : 0;
+        for (const SensorHealth& h : source->health())
+            if (h.process_id != 0) processes.push_back(h.process_id);
+    }
+    for (const int process : processes) EXPECT_EQ(kill(process, 0), -1) << process;
+    const std::string mine = "deixis-ring-" + std::to_string(getpid()) + "-";
+    for (const auto& entry : std::filesystem::directory_iterator("/dev/shm"))
+        EXPECT_FALSE(entry.path().filename().string().starts_with(mine)) << entry.path();
+}
+
+TEST(ReplayProcess, RefusesWhatCannotBeAStage) {
+    const auto refusal_of = [](const std::vector<SensorSpec>& specs, const FrameSourceParams& params) {
+        const auto source = open_sensors(specs, params);
+        return source ? std::string("opened") : source.error().sentence;
+    };
+    EXPECT_EQ(refusal_of({}, lock_step()), "no sensor is given, expected at least one");
+    EXPECT_EQ(refusal_of({virtual_spec("left")}, lock_step()),
+              "sensor \"left\" is a live device, lock-step needs recordings");
+    auto spec = recording_spec("left", "left.oni");
+    spec.width = 0;
+    EXPECT_EQ(refusal_of({spec}, lock_step()),
+              "sensor \"left\" has the size 0x120, expected sides of 1 to 8192");
+    spec = recording_spec("left", "");
+    EXPECT_EQ(refusal_of({spec}, lock_step()), "sensor \"left\" names no recording");
+    FrameSourceParams params = lock_step();
+    params.ring_frames = 1;
+    EXPECT_THAT(refusal_of({recording_spec("left", "a")}, params), HasSubstr("sensors.ring_frames is 1"));
+    params = lock_step();
+    params.program.clear();
+    EXPECT_EQ(refusal_of({recording_spec("left", "a")}, params),
+              "sensors.program is \"\", expected the path of the deixis program");
+}
+
+TEST(ReplayProcess, AProgramThatIsNotThereIsAState) {
+    ScratchFolder folder;
+    write_recording(folder / "left.oni", steady_stamps(3), 0);
+    FrameSourceParams params = lock_step();
+    params.restart_delay = 1ms;
+    for (const char* program : {"/no/such/deixis", "/bin/false"}) {
+        params.program = program;
+        const Replayed replayed = replay({recording_spec("left", folder / "left.oni")}, params);
+        EXPECT_TRUE(replayed.ended);
+        EXPECT_EQ(replayed.health[0].state, SensorState::missing);
+        EXPECT_THAT(replayed.health[0].reason, HasSubstr("given up after 5 tries without a frame"));
+    }
+}
+
+}  // namespace
+}  // namespace deixis
