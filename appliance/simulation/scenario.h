@@ -26,12 +26,14 @@ struct FloorPose {
 };
 
 struct ScenarioPart {
-    std::filesystem::path model;  ///< CAD file, resolved against the scenario's folder
+    std::filesystem::path model;  ///< CAD file, resolved against the scenario's folder; empty with `sample`
+    std::string sample;           ///< "a" or "b": a bumper of our own making instead of a file
     std::string units = "mm";     ///< of the model file: "mm" or "m"
     std::string type = "part";
     std::string serial = "0001";
     Eigen::Matrix3d mounting = Eigen::Matrix3d::Identity();  ///< trolley_from_part, rotation
-    std::optional<Eigen::Vector3d> mounting_position;  ///< part origin in the trolley frame; absent: centred, see below
+    std::optional<Eigen::Vector3d>
+        mounting_position;     ///< part origin in the trolley frame; absent: centred, see below
     double lower_edge = 0.55;  ///< height of the part's lowest point where mounting_position is absent [m]
     FloorPose start;           ///< of the trolley
     bool present = true;       ///< false: no part and no trolley at all
@@ -50,10 +52,10 @@ struct ScenarioSensor {
 
 struct ScenarioOptics {
     int width = 640, height = 480;
-    double focal = 575.8;          ///< nominal, of a 640 pixel wide image [pixel]
-    std::optional<double> noise;   ///< 1 = as published, 0 = none; absent: drawn 0.8 to 1.2
-    bool distorted = true;         ///< draw a Brown-Conrady lens
-    double place_spread = 0.12;    ///< the seed shifts each sensor by up to this much along each axis [m]
+    double focal = 575.8;         ///< nominal, of a 640 pixel wide image [pixel]
+    std::optional<double> noise;  ///< 1 = as published, 0 = none; absent: drawn 0.8 to 1.2
+    bool distorted = true;        ///< draw a Brown-Conrady lens
+    double place_spread = 0.12;   ///< the seed shifts each sensor by up to this much along each axis [m]
 };
 
 struct ScenarioWorker {
@@ -62,9 +64,10 @@ struct ScenarioWorker {
     std::optional<double> build;   ///< girth factor; absent: drawn 0.9 to 1.18
     std::optional<AimMode> aim;    ///< absent: drawn
     double scatter = 0.0175;       ///< standard deviation of the aimed line's direction, each axis [rad]
-    double gap_min = 0.05, gap_max = 0.20;  ///< fingertip to surface while pointing [m]
-    FloorPose start;
-    std::filesystem::path clip;  ///< BVH or AMC file whose motion replaces the actions; empty = none
+    double gap_min = 0.05, gap_max = 0.15;  ///< fingertip to surface while pointing [m]
+    std::optional<FloorPose>
+        start;  ///< absent: at the trolley's end when it is pushed first, else before the part
+    std::filesystem::path clip;      ///< BVH or AMC file whose motion replaces the actions; empty = none
     std::filesystem::path skeleton;  ///< ASF file of an AMC clip
     double clip_scale = 0;           ///< metres per unit of the clip; 0 = by the clip's leg length
 };
@@ -73,14 +76,14 @@ enum class ActionKind { wait, walk, push, point, pass, hip, scratch, lean };
 
 struct ScenarioAction {
     ActionKind kind = ActionKind::wait;
-    std::optional<double> seconds;             ///< of the hold, wait or push; absent: drawn
-    FloorPose to;                              ///< walk: the worker; push: the trolley
-    std::optional<Eigen::Vector3d> target;     ///< part frame [m]; absent: drawn on the outer skin
-    std::optional<bool> left_arm;              ///< absent: drawn
+    std::optional<double> seconds;          ///< of the hold, wait or push; absent: drawn
+    FloorPose to;                           ///< walk: the worker; push: the trolley
+    std::optional<Eigen::Vector3d> target;  ///< part frame [m]; absent: drawn on the outer skin
+    std::optional<bool> left_arm;           ///< absent: drawn
     bool meant = true;
     bool touch = false;
-    bool by_end = true;                        ///< push with both hands from the end, else one hand at the corner
-    bool pointing = false;                     ///< push: the free hand points meanwhile (a trap)
+    bool by_end = true;     ///< push with both hands from the end, else one hand at the corner
+    bool pointing = false;  ///< push: the free hand points meanwhile (a trap)
 };
 
 struct Scenario {
@@ -88,7 +91,8 @@ struct Scenario {
     std::string name;
     uint64_t seed = 1;
     double fps = 30;
-    double tail = 1.0;  ///< after the last action [s]
+    double seconds = 0;  ///< whole length; 0 = as long as the actions or the clip last
+    double tail = 1.0;   ///< after the last action [s]
     Box cell{{-2, -1.5, 0}, {2, 1.5, 2.2}};
     Eigen::Vector3d pointing_axis{0, 1, 0};
     bool clutter = true;
@@ -101,8 +105,8 @@ struct Scenario {
     std::vector<std::string> warnings;                     ///< unknown keys, one sentence each
 };
 
-/// Reads and checks `path` (format "deixis-scenario/1"). Refuses with one sentence that names file and key: what does
-/// not parse, is missing, mistyped, out of range or contradictory. Unknown keys become warnings.
+/// Reads and checks `path` (format "deixis-scenario/1"). Refuses with one sentence that names file and key:
+/// what does not parse, is missing, mistyped, out of range or contradictory. Unknown keys become warnings.
 Result<Scenario> read_scenario(const std::filesystem::path& path);
 
 /// The same from text; `path` is used in sentences and to resolve relative files.

@@ -45,12 +45,14 @@ struct FrameTiming {
     int64_t host_us = 0;
 };
 
-/// Deterministic: the same scenario, seed, mesh and frame give the same pixels for any order of calls, any number of
-/// threads. Different sensors may be rendered from different threads at once; one sensor from one thread at a time.
+/// Deterministic: the same scenario, seed, mesh and frame give the same pixels for any order of calls, any
+/// number of threads. Different sensors may be rendered from different threads at once; one sensor from one
+/// thread at a time.
 class VirtualCell {
   public:
-    /// `part` in metres, part frame (ignored when the scenario has none). Refuses, naming file and key, a scenario
-    /// that cannot be played: a spot that is not on the part's outer skin or out of reach, a clip that does not read.
+    /// `part` in metres, part frame (ignored when the scenario has none). Refuses, naming file and key, a
+    /// scenario that cannot be played: a spot that is not on the part's outer skin or out of reach, a clip
+    /// that does not read.
     static Result<VirtualCell> create(const Scenario& scenario, uint64_t seed, const SurfaceMesh& part);
 
     ~VirtualCell();
