@@ -103,8 +103,8 @@ struct TwoSensors {
                     nearest = j;
             const int64_t partner = right[nearest] + 1'004'000;
             ASSERT_EQ(line.frames[1].has_value(), std::abs(partner - stamp) <= 17'000) << "frameset " << i;
-            if (line.frames[1])
-                ASSERT_EQ(line.frames[1], std::pair(static_cast<uint32_t>(nearest + 1), partner));
+            if (!line.frames[1]) continue;
+            ASSERT_EQ(line.frames[1], std::pair(static_cast<uint32_t>(nearest + 1), partner));
         }
     }
 };
@@ -233,7 +233,8 @@ struct BadFile {
 
 void cut_to(const std::filesystem::path& path, double share) {
     write_recording(path, steady_stamps(20));
-    std::filesystem::resize_file(path, static_cast<uintmax_t>(std::filesystem::file_size(path) * share));
+    std::filesystem::resize_file(
+        path, static_cast<uintmax_t>(static_cast<double>(std::filesystem::file_size(path)) * share));
 }
 
 void flip(const std::filesystem::path& path, size_t offset) {
@@ -262,7 +263,7 @@ const std::vector<BadFile>& bad_files() {
         {"cut in a frame", [](const auto& p) { cut_to(p, 0.5); }, ": "},
         {"cut before its end", [](const auto& p) { cut_to(p, 0.999); }, ": "},
         {"flipped version", [](const auto& p) { flip(p, 5); }, ": byte "},
-        {"flipped node id", [](const auto& p) { flip(p, 18); }, ": byte "},
+        {"flipped node id", [](const auto& p) { flip(p, 20); }, ": byte "},
         {"flipped codec", [](const auto& p) { flip(p, 66); }, ": byte "},
         {"other size", [](const auto& p) { write_recording(p, steady_stamps(3), 0, 80, 60); },
          ": is 80x60, expected 160x120"},
