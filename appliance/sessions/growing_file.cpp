@@ -28,8 +28,8 @@ Result<void> GrowingFile::append(std::span<const uint8_t> first, std::span<const
     const int reason = errno;
     end_ = before;
     // Best effort: should even this fail, the mender cuts the torn record.
-    const int cut = ::ftruncate(descriptor_, static_cast<off_t>(before));
-    errno = cut == 0 ? reason : errno;
+    static_cast<void>(::ftruncate(descriptor_, static_cast<off_t>(before)) == 0);
+    errno = reason;
     return refuse("cannot be written");
 }
 
