@@ -39,7 +39,8 @@ std::optional<Box> part_box_of(const std::filesystem::path& session) {
 void evaluate_marks(const MarksOptions& options) {
     const std::filesystem::path session = options.session;
     if (session.empty() && options.truth.empty()) refuse_evaluation("give a SESSION or --truth FILE");
-    const std::filesystem::path truth_path = options.truth.empty() ? session / "truth.jsonl" : options.truth;
+    std::filesystem::path truth_path = options.truth;
+    if (truth_path.empty()) truth_path = session / "truth.jsonl";
     const Truth truth = value_or_refuse(read_truth(truth_path));
     const Results results = value_or_refuse(read_results(std::filesystem::path(options.results)));
     print_warnings(truth.warnings);
