@@ -11,7 +11,12 @@ int main(int argc, char** argv) {
     app.set_version_flag("--version", DEIXIS_VERSION);
     deixis::add_station_command(app);
     deixis::add_replay_command(app);
+    deixis::add_record_command(app);
     deixis::add_sensor_command(app);
+    deixis::add_simulate_command(app);
+    deixis::add_import_command(app);
+    deixis::add_mend_command(app);
+    deixis::add_part_command(app);
     deixis::add_export_command(app);
     deixis::add_plc_command(app);
     try {
