@@ -1,3 +1,4 @@
+// The bytes of an answer's head, and the headers that every answer carries.
 #include "hmi/server/http_answer.h"
 
 #include <Poco/DigestEngine.h>

@@ -1,3 +1,4 @@
+// The strict reader of request heads.
 #include "hmi/server/http_request.h"
 
 #include <algorithm>

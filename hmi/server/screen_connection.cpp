@@ -1,3 +1,4 @@
+// The life of one connection, phase by phase.
 #include "hmi/server/screen_connection.h"
 
 #include <Poco/Exception.h>

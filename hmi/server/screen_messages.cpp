@@ -1,3 +1,4 @@
+// Meshes, voxels, part and cell as the browser takes them.
 #include "hmi/server/screen_messages.h"
 
 #include <bit>

@@ -1,3 +1,4 @@
+// The list of addresses and what stands behind each.
 #include "hmi/server/screen_routes.h"
 
 #include <algorithm>

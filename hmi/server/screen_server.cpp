@@ -1,3 +1,4 @@
+// The server's one loop: waits, serves every connection a little, accepts, hands out the newest message.
 #include "hmi/server/screen_server.h"
 
 #include <Poco/Exception.h>

@@ -1,3 +1,4 @@
+// The web page read into memory.
 #include "hmi/server/static_files.h"
 
 #include <fstream>

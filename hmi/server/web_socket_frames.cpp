@@ -1,3 +1,4 @@
+// Frames of the WebSocket, written and read.
 #include "hmi/server/web_socket_frames.h"
 
 #include <Poco/Base64Encoder.h>

@@ -1,4 +1,4 @@
-// Bundles the page into --out FOLDER, or with --tests bundles tests/*.test.ts there for node's own test runner.
+// Bundles the page into --out FOLDER, or with --tests the unit tests of tests/hmi/web, for node's own test runner.
 import { build } from "esbuild";
 import { cp, mkdir, readFile, readdir, rm, writeFile } from "node:fs/promises";
 import { dirname, join } from "node:path";
@@ -17,10 +17,11 @@ await rm(out, { recursive: true, force: true });
 await mkdir(out, { recursive: true });
 
 if (tests) {
-    const names = (await readdir(join(here, "tests"))).filter((name) => name.endsWith(".test.ts"));
+    const folder = join(here, "..", "..", "tests", "hmi", "web");
+    const names = (await readdir(folder)).filter((name) => name.endsWith(".test.ts"));
     await build({
         ...common,
-        entryPoints: names.map((name) => join("tests", name)),
+        entryPoints: names.map((name) => join(folder, name)),
         outdir: out,
         platform: "node",
         format: "esm",

@@ -124,7 +124,7 @@ export function live(timestampUs, changes = {}) {
             stage_ms: { total: 14.3 },
         },
         sensors: [healthySensor("left"), healthySensor("right")],
-        plc: { state: "connected", reason: "" },
+        plc: { state: "alive", reason: "" },
         record: { state: "open", reason: "" },
         session: "demo",
         progress: 0.4,

@@ -44,7 +44,8 @@ export function seconds(ms: number): string {
 function sentence(text: string): string {
     const trimmed = text.trim();
     if (trimmed === "") return "";
-    return /[.!?]$/.test(trimmed) ? trimmed : `${trimmed}.`;
+    const capital = trimmed.charAt(0).toUpperCase() + trimmed.slice(1);
+    return /[.!?]$/.test(capital) ? capital : `${capital}.`;
 }
 
 function join(title: string, reason: string): string {
@@ -87,14 +88,28 @@ export function headline(state: ScreenState): Headline {
     return { severity: "normal", title: "Pointing", detail: `${arm} seen. Hold still to mark.` };
 }
 
-/** States that need nobody; any other word of the station is shown as abnormal, with its reason. */
-const calmStates: readonly string[] = ["", "ok", "running", "streaming", "open", "connected", "listening", "idle", "ready", "off", "disabled", "ended", "finished"];
-const passingStates: readonly string[] = ["starting", "connecting", "waiting", "restarting", "opening", "degraded"];
+const sensorSeverities: Readonly<Record<string, Severity>> = {
+    running: "normal",
+    finished: "normal",
+    starting: "attention",
+    restarting: "attention",
+};
+const plcSeverities: Readonly<Record<string, Severity>> = { off: "normal", alive: "normal" };
+const recordSeverities: Readonly<Record<string, Severity>> = { open: "normal", ok: "normal" };
 
-export function severityOf(health: Health | SensorHealth): Severity {
-    const state = health.state.toLowerCase();
-    if (calmStates.includes(state)) return "normal";
-    return passingStates.includes(state) ? "attention" : "fault";
+/** A sensor that is neither well nor coming back is a fault, whatever its word. */
+export function sensorSeverity(sensor: SensorHealth): Severity {
+    return sensorSeverities[sensor.state] ?? "fault";
+}
+
+/** Without its PLC the station goes on: marks are kept and sent later. */
+export function plcSeverity(plc: Health): Severity {
+    return plcSeverities[plc.state] ?? "attention";
+}
+
+/** Without its record the station is of no use. */
+export function recordSeverity(record: Health): Severity {
+    return recordSeverities[record.state] ?? "fault";
 }
 
 /** All that is wrong besides what the headline says, most urgent first. */
@@ -103,7 +118,7 @@ export function alarms(state: ScreenState): readonly Alarm[] {
     if (state.misunderstood !== "")
         found.push({ severity: "attention", text: state.misunderstood, response: "Reload this page." });
     if (state.link !== "lost" && state.live !== null) {
-        const record = severityOf(state.live.record);
+        const record = recordSeverity(state.live.record);
         if (record !== "normal")
             found.push({
                 severity: record,
@@ -111,7 +126,7 @@ export function alarms(state: ScreenState): readonly Alarm[] {
                 response: "No marks are kept. Call maintenance.",
             });
         for (const sensor of state.live.sensors) {
-            const severity = severityOf(sensor);
+            const severity = sensorSeverity(sensor);
             if (severity === "normal") continue;
             found.push({
                 severity,
@@ -119,7 +134,7 @@ export function alarms(state: ScreenState): readonly Alarm[] {
                 response: severity === "fault" ? "Check its cable and power." : "The station is bringing it back.",
             });
         }
-        const plc = severityOf(state.live.plc);
+        const plc = plcSeverity(state.live.plc);
         if (plc !== "normal")
             found.push({
                 severity: plc,

@@ -1,5 +1,5 @@
 // The bottom line: every sensor, the PLC, the record and the session, each in a word.
-import { isStale, severityOf, type Severity } from "../situation";
+import { isStale, plcSeverity, recordSeverity, sensorSeverity, type Severity } from "../situation";
 import type { ScreenState, Store } from "../store";
 import { element, Glyph, say } from "./elements";
 
@@ -15,7 +15,7 @@ function tilesOf(state: ScreenState): readonly Tile[] {
     if (live === null) return [];
     const sensors = live.sensors.map((sensor) => ({
         name: `Sensor ${sensor.name}`,
-        severity: severityOf(sensor),
+        severity: sensorSeverity(sensor),
         word: sensor.state,
         fact:
             `${sensor.frames.toLocaleString("en-GB")} frames` +
@@ -28,8 +28,8 @@ function tilesOf(state: ScreenState): readonly Tile[] {
             : { word: "replay", fact: `${live.session} \u00b7 ${Math.round(live.progress * 100)} %` };
     return [
         ...sensors,
-        { name: "PLC", severity: severityOf(live.plc), word: live.plc.state, fact: live.plc.reason },
-        { name: "Record", severity: severityOf(live.record), word: live.record.state, fact: live.record.reason },
+        { name: "PLC", severity: plcSeverity(live.plc), word: live.plc.state, fact: live.plc.reason },
+        { name: "Record", severity: recordSeverity(live.record), word: live.record.state, fact: live.record.reason },
         { name: "Source", severity: "normal", ...source },
     ];
 }

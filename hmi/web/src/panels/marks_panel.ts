@@ -16,8 +16,9 @@ function millimetres(metres: number): string {
 }
 
 function row(mark: Mark, choose: () => void): HTMLButtonElement {
-    const how = mark.touch ? "touched" : "pointed";
-    const facts = [clockTime(mark.time), `${mark.arm} arm, ${how}`, `${Math.round(mark.confidence * 100)} % sure`];
+    const sure = `${Math.round(mark.confidence * 100)} %`;
+    const facts = [clockTime(mark.time), `${mark.arm} arm${mark.touch ? ", touched" : ""}`, sure];
+    const [x, y, z] = mark.position;
     const button = element(
         "button",
         `mark ${mark.state}`,
@@ -27,11 +28,16 @@ function row(mark: Mark, choose: () => void): HTMLButtonElement {
             "span",
             "what",
             {},
-            element("span", "zone", {}, mark.zone === "" ? "outside all zones" : mark.zone),
+            element(
+                "span",
+                "heading",
+                {},
+                element("span", "zone", {}, mark.zone === "" ? "outside all zones" : mark.zone),
+                element("span", "state", {}, mark.state),
+            ),
             element("span", "facts", {}, facts.filter((fact) => fact !== "").join(" \u00b7 ")),
-            element("span", "facts place", {}, `x ${millimetres(mark.position[0])}  y ${millimetres(mark.position[1])}  z ${millimetres(mark.position[2])} mm`),
+            element("span", "facts place", {}, `x ${millimetres(x)}  y ${millimetres(y)}  z ${millimetres(z)} mm`),
         ),
-        element("span", "state", {}, mark.state),
     );
     button.addEventListener("click", choose);
     return button;

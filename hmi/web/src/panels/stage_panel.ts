@@ -36,7 +36,8 @@ export function mountStage(root: HTMLElement, store: Store, sound: Sound): () =>
         button("Reset view", () => stage?.goHome()),
         soundSwitch,
     );
-    root.append(inset, veil, tools);
+    const brand = element("div", "brand", {}, element("img", "", { src: "icon.svg", alt: "" }), "Deixis");
+    root.append(brand, inset, veil, tools);
     try {
         stage = new Stage(root, inset, store);
     } catch {

@@ -1,5 +1,5 @@
 // The pointing ray from the fingertip to the skin, and the cursor where it hits; nothing when the arm is not seen.
-import { CylinderGeometry, Group, Matrix4, Mesh, MeshBasicMaterial, type PerspectiveCamera, Quaternion, Vector3 } from "three";
+import { CylinderGeometry, SphereGeometry, Group, Matrix4, Mesh, MeshBasicMaterial, type PerspectiveCamera, Quaternion, Vector3 } from "three";
 
 import { isStale } from "../situation";
 import type { ScreenState } from "../store";
@@ -30,9 +30,11 @@ function drawCursor(context: CanvasRenderingContext2D, size: number): void {
 
 export class PointingLayer implements SceneLayer {
     readonly object = new Group();
-    private readonly geometry = new CylinderGeometry(1, 1, 1, 12, 1, true);
-    private readonly material = new MeshBasicMaterial({ color: palette.pointer });
+    private readonly geometry = new CylinderGeometry(1, 1, 1, 12);
+    private readonly tipGeometry = new SphereGeometry(1, 16, 12);
+    private readonly material = new MeshBasicMaterial({ color: palette.pointer, transparent: true, opacity: 0.8 });
     private readonly ray: Mesh;
+    private readonly tip: Mesh;
     private readonly cursor = new Label(128, 128, drawCursor);
 
     /** `frame` as in PartLayer. */
@@ -44,7 +46,9 @@ export class PointingLayer implements SceneLayer {
     ) {
         this.ray = new Mesh(this.geometry, this.material);
         this.cursor.sprite.renderOrder = 30;
-        this.object.add(this.ray, this.cursor.sprite);
+        this.tip = new Mesh(this.tipGeometry, this.material);
+        this.tip.scale.setScalar(radius * 2.2);
+        this.object.add(this.ray, this.tip, this.cursor.sprite);
         this.object.visible = false;
     }
 
@@ -56,6 +60,7 @@ export class PointingLayer implements SceneLayer {
 
     dispose(): void {
         this.geometry.dispose();
+        this.tipGeometry.dispose();
         this.material.dispose();
         this.cursor.dispose();
     }
@@ -83,6 +88,7 @@ export class PointingLayer implements SceneLayer {
         const length = Math.max(along.length(), 1e-3);
         this.ray.position.copy(origin).addScaledVector(along, 0.5);
         this.ray.quaternion.copy(new Quaternion().setFromUnitVectors(up, along.divideScalar(length)));
+        this.tip.position.copy(origin);
         this.ray.scale.set(this.radius, length, this.radius);
         this.cursor.sprite.visible = hit !== null;
         this.cursor.sprite.position.copy(end);

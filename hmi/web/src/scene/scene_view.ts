@@ -12,6 +12,8 @@ export class SceneView {
     private readonly layers: SceneLayer[] = [];
     private home: { bounds: Box3; towards: Vector3 } | null = null;
     private touched = false;
+    private shape = "";
+    private free = 1; // share of the picture's height that nothing covers
 
     constructor(canvas: HTMLCanvasElement, onMove: () => void) {
         this.camera.up.set(0, 0, 1);
@@ -66,7 +68,7 @@ export class SceneView {
             distance = Math.max(
                 distance,
                 near + Math.abs(p.dot(right)) / halfWidth,
-                near + Math.abs(p.dot(above)) / halfHeight,
+                near + Math.abs(p.dot(above)) / (halfHeight * this.free),
             );
         }
         this.camera.position.copy(middle).addScaledVector(direction, distance * 1.08);
@@ -88,11 +90,14 @@ export class SceneView {
         return moving;
     }
 
-    render(renderer: WebGLRenderer, width: number, height: number): void {
-        const aspect = width / height;
-        if (Math.abs(this.camera.aspect - aspect) > 1e-6) {
-            this.camera.aspect = aspect;
-            this.camera.updateProjectionMatrix();
+    /** Draws `width` x `height` pixels; the middle of the home view stands in what the lowest `covered` leave free. */
+    render(renderer: WebGLRenderer, width: number, height: number, covered: number): void {
+        const shape = `${width} ${height} ${covered}`;
+        if (shape !== this.shape) {
+            this.shape = shape;
+            this.free = 1 - covered / height;
+            this.camera.aspect = width / height;
+            this.camera.setViewOffset(width, height, 0, covered / 2, width, height);
             if (!this.touched) this.goHome();
         }
         renderer.render(this.scene, this.camera);

@@ -2,7 +2,7 @@
 import { BufferGeometry, Float32BufferAttribute, Group, LineBasicMaterial, LineDashedMaterial, LineSegments, Matrix4, type PerspectiveCamera } from "three";
 
 import type { SensorView } from "../protocol";
-import { isStale, severityOf } from "../situation";
+import { isStale, sensorSeverity } from "../situation";
 import type { Changed, ScreenState } from "../store";
 import { Label } from "./label";
 import { palette } from "./palette";
@@ -50,7 +50,7 @@ export class SensorsLayer implements SceneLayer {
         const sensors = state.cell?.sensors ?? [];
         const ill = sensors.map((sensor) => {
             const health = state.live?.sensors.find((candidate) => candidate.name === sensor.name);
-            return health !== undefined && !isStale(state) && severityOf(health) !== "normal";
+            return health !== undefined && !isStale(state) && sensorSeverity(health) !== "normal";
         });
         const key = JSON.stringify([sensors, ill]);
         if (key === this.drawnKey) return false;

@@ -88,10 +88,11 @@ export class Stage {
         }
         if (changed.has("cell")) {
             const box = state.cell?.box ?? { min: [-2, -1.5, 0] as const, max: [2, 1.5, 2.2] as const };
-            this.views.cell.frame(
-                new Box3(new Vector3(...box.min), new Vector3(...box.max)),
-                new Vector3(0.75, -1, 0.55),
-            );
+            // What matters happens well inside the cell: its corners may leave the picture.
+            const inner = new Box3(new Vector3(...box.min), new Vector3(...box.max));
+            const size = inner.getSize(new Vector3());
+            inner.expandByVector(new Vector3(-0.16 * size.x, -0.12 * size.y, 0));
+            this.views.cell.frame(inner, new Vector3(1, -0.75, 0.42));
         }
         if (changed.has("view"))
             for (const name of ["part", "cell"] as const) this.views[name].active = name === state.view;
@@ -124,16 +125,16 @@ export class Stage {
         const { view } = this.store.state;
         let moving = this.views[view].animate(now);
         moving = this.views[other[view]].animate(now) || moving;
-        this.draw(view, 0, 0, whole.width, whole.height);
-        if (corner.width > 0)
-            this.draw(other[view], corner.left - whole.left, whole.bottom - corner.bottom, corner.width, corner.height);
+        const covered = view === "part" ? whole.bottom - corner.top : 0;
+        this.draw(view, 0, 0, whole.width, whole.height, covered);
+        this.draw(other[view], corner.left - whole.left, whole.bottom - corner.bottom, corner.width, corner.height, 0);
         if (moving) this.schedule();
     }
 
-    private draw(name: ViewName, x: number, y: number, width: number, height: number): void {
+    private draw(name: ViewName, x: number, y: number, width: number, height: number, covered: number): void {
         this.renderer.setViewport(x, y, width, height);
         this.renderer.setScissor(x, y, width, height);
         this.renderer.clear();
-        this.views[name].render(this.renderer, width, height);
+        this.views[name].render(this.renderer, width, height, covered);
     }
 }
