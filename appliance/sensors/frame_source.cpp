@@ -30,14 +30,7 @@ class SensorFramesets : public FrameSource {
         watch();
     }
 
-    ~SensorFramesets() override {
-        // All at once, so that closing several devices takes as long as the slowest.
-        for (SupervisedSensor& sensor : sensors_) sensor.ask_to_end();
-        const int64_t patience_over = host_now_us() + 1'000'000;
-        while (host_now_us() < patience_over &&
-               std::any_of(sensors_.begin(), sensors_.end(), [](auto& s) { return s.is_alive(); }))
-            wait_for_bell(sensors_, milliseconds(5));
-    }
+    ~SensorFramesets() override { end_in_order(sensors_); }
 
     Outcome next(Frameset& out, milliseconds patience) override {
         const int64_t deadline = host_now_us() + std::chrono::microseconds(patience).count();

@@ -235,4 +235,13 @@ void wait_for_bell(std::vector<SupervisedSensor>& sensors, std::chrono::millisec
     for (SupervisedSensor& sensor : sensors) sensor.hush();
 }
 
+void end_in_order(std::vector<SupervisedSensor>& sensors) {
+    for (SupervisedSensor& sensor : sensors) sensor.ask_to_end();
+    const int64_t patience_over = host_now_us() + 1'000'000;
+    const auto any_alive = [&] {
+        return std::any_of(sensors.begin(), sensors.end(), [](SupervisedSensor& s) { return s.is_alive(); });
+    };
+    while (host_now_us() < patience_over && any_alive()) wait_for_bell(sensors, std::chrono::milliseconds(5));
+}
+
 }  // namespace deixis

@@ -38,6 +38,7 @@ class SupervisedSensor {
     /// No frame will come any more: recording delivered or given up.
     bool is_over() const { return finished_ || given_up_; }
     bool is_alive() { return child_.has_value() && !child_->ended(); }
+    bool is_running() const { return state_ == SensorState::running; }
     /// Has its first frame or has failed to; paced recordings wait for each other at the start.
     bool has_settled() const;
     void play_at(int64_t host_us);
@@ -80,5 +81,8 @@ class SupervisedSensor {
 
 /// Sleeps until a bell rings, but not longer than `patience`.
 void wait_for_bell(std::vector<SupervisedSensor>& sensors, std::chrono::milliseconds patience);
+
+/// Asks all children to close their devices and waits at most a second, all at once; who is left is killed.
+void end_in_order(std::vector<SupervisedSensor>& sensors);
 
 }  // namespace deixis
