@@ -1,12 +1,12 @@
 // `deixis replay`: a session through the station in lock-step; one line of results a frameset.
 #include <unistd.h>
 
-#include <fstream>
 #include <iostream>
 #include <memory>
 
 #include "appliance/commands/commands.h"
 #include "appliance/commands/program_path.h"
+#include "appliance/commands/results_writer.h"
 #include "appliance/commands/station_log.h"
 #include "appliance/commands/stop_signal.h"
 #include "appliance/station/station.h"
@@ -74,16 +74,15 @@ Result<void> complain_if_short(const StationState& state) {
     return {};
 }
 
-Result<void> play(Station& station, std::ofstream& results, StationLog& log) {
+Result<void> play(Station& station, ResultsWriter& results, StationLog& log) {
     for (;;) {
         if (stop_requested()) return fail("stopped by a signal before the end of the session");
         const Station::Turn turn = station.turn(std::chrono::milliseconds(500));
         if (turn == Station::Turn::finished) break;
         const bool fresh = turn == Station::Turn::frame;
-        if (fresh) results << to_json(station.result()).dump() << '\n';
+        if (fresh) results.add(station.result());
         log.tell(station, fresh);
     }
-    if (!results.flush()) return fail("the results cannot be written, the disk is full or gone");
     return complain_if_short(station.state());
 }
 
@@ -102,11 +101,8 @@ Result<void> replay(const ReplayOptions& options) {
     auto record = FreshRecord::make(options.database);
     if (!record) return tl::unexpected(record.error());
 
-    // Under its own name only when whole, so that nobody takes a torn results file for a short session.
-    std::filesystem::path partial = options.results;
-    partial += ".partial";
-    std::ofstream results(partial, std::ios::binary | std::ios::trunc);
-    if (!results) return fail(partial.string() + ": cannot be written");
+    auto results = ResultsWriter::create(options.results);
+    if (!results) return tl::unexpected(results.error());
 
     StationSetup setup;
     setup.cell = std::move(*cell);
@@ -118,14 +114,10 @@ Result<void> replay(const ReplayOptions& options) {
     auto station = Station::start(std::move(setup));
     if (!station) return tl::unexpected(station.error());
     StationLog log(!options.quiet);
-    auto played = play(**station, results, log);
+    auto played = play(**station, *results, log);
     log.summary(**station);
     if (!played) return played;
-    results.close();
-    std::error_code error;
-    std::filesystem::rename(partial, options.results, error);
-    if (error) return fail(options.results.string() + ": cannot be written");
-    return {};
+    return results->finish();
 }
 
 }  // namespace

@@ -3,9 +3,11 @@
 
 #include <iostream>
 #include <memory>
+#include <optional>
 
 #include "appliance/commands/commands.h"
 #include "appliance/commands/program_path.h"
+#include "appliance/commands/results_writer.h"
 #include "appliance/commands/screen_link.h"
 #include "appliance/commands/station_log.h"
 #include "appliance/commands/stop_signal.h"
@@ -14,7 +16,7 @@ namespace deixis {
 namespace {
 
 struct StationOptions {
-    std::filesystem::path session, settings, calibration, part, background, database, driver_folder;
+    std::filesystem::path session, settings, calibration, part, background, database, driver_folder, results;
     int screen_port = -1;
     double seconds = 0;
     bool no_screen = false, fast = false, exit_at_end = false, print_settings = false;
@@ -72,27 +74,33 @@ Result<std::unique_ptr<ScreenLink>> screen_of(const Settings& settings, const Wo
     return ScreenLink::start(params, cell, settings.station.database);
 }
 
-/// Turns until the end, a signal, or the time given. After the end of a session the screen stays until a
-/// signal.
-void run(Station& station, ScreenLink* screen, StationLog& log, const StationOptions& options) {
+/// Turns until the end, a signal, or the time given. After the end of a session the results get their name
+/// and the screen stays until a signal.
+Result<void> run(Station& station, ScreenLink* screen, ResultsWriter* results, StationLog& log,
+                 const StationOptions& options) {
     const auto start = std::chrono::steady_clock::now();
     bool finished = false;
     while (!stop_requested()) {
         if (options.seconds > 0 &&
             std::chrono::steady_clock::now() - start > std::chrono::duration<double>(options.seconds))
-            return;
+            break;
         const Station::Turn turn = station.turn(std::chrono::milliseconds(200));
         const bool fresh = turn == Station::Turn::frame;
         log.tell(station, fresh);
         if (screen) screen->show(station, fresh);
+        if (results && fresh) results->add(station.result());
         if (turn != Station::Turn::finished) continue;
         poll(nullptr, 0, 200);  // nothing comes any more: only the screen is kept up
         if (finished) continue;
         finished = true;
-        if (options.exit_at_end || !screen) return;
+        if (results) {
+            if (auto named = results->finish(); !named) return named;
+        }
+        if (options.exit_at_end || !screen) return {};
         std::cout << "END of the session; the screen stays at " << screen->address() << " until Ctrl-C\n"
                   << std::flush;
     }
+    return {};
 }
 
 Result<void> station(const StationOptions& options) {
@@ -102,6 +110,13 @@ Result<void> station(const StationOptions& options) {
     if (!cell) return tl::unexpected(cell.error());
     for (const std::string& warning : cell->warnings)
         std::cerr << "deixis station: warning: " << warning << '\n';
+
+    std::optional<ResultsWriter> results;
+    if (!options.results.empty()) {
+        auto writer = ResultsWriter::create(options.results);
+        if (!writer) return tl::unexpected(writer.error());
+        results.emplace(std::move(*writer));
+    }
 
     StationSetup setup;
     setup.settings = *settings;
@@ -118,10 +133,11 @@ Result<void> station(const StationOptions& options) {
     if (*screen) std::cout << "SCREEN " << (*screen)->address() << '\n' << std::flush;
 
     StationLog log(!options.session.empty());
-    run(**station, screen->get(), log, options);
+    const auto ran = run(**station, screen->get(), results ? &*results : nullptr, log, options);
     log.summary(**station);
     for (const std::string& sentence : (*station)->stop())
         std::cerr << "deixis station: " << sentence << '\n';
+    if (!ran) return ran;
     if (!options.session.empty())
         for (const SensorHealth& sensor : (*station)->state().sensors)
             if (sensor.state == SensorState::missing)
@@ -143,6 +159,8 @@ void add_station_command(CLI::App& app) {
     command->add_option("--background", options->background,
                         "live: folder with <sensor>.png of the empty cell");
     command->add_option("--database", options->database, "the record (default: station.database, deixis.db)");
+    command->add_option("--results", options->results,
+                        "session: results.jsonl to write, one object a frameset, named so at its end");
     command->add_option("--driver-folder", options->driver_folder,
                         "private OpenNI2 folder, for virtual sensors");
     command
