@@ -39,14 +39,21 @@ SettingSection part_section(PartTracker::Params& p) {
     return section("part", p,
                    {{"search_period", &p.search_period},
                     {"max_tilt_deg", &p.max_tilt_deg},
-                    {"fitness_min", &p.fitness_min},
-                    {"visible_min", &p.visible_min},
+                    {"found_fitness", &p.found_fitness},
+                    {"found_residual", &p.found_residual},
+                    {"held_fitness", &p.held_fitness},
+                    {"held_residual", &p.held_residual},
+                    {"found_share_min", &p.found_share_min},
+                    {"held_share_min", &p.held_share_min},
+                    {"seen_through_max", &p.seen_through_max},
+                    {"rival_margin", &p.rival_margin},
+                    {"lock_min", &p.lock_min},
                     {"confirm_frames", &p.confirm_frames},
                     {"lost_frames", &p.lost_frames},
                     {"rest_s", &p.rest_s},
                     {"rest_mm", &p.rest_mm},
                     {"motion_mm", &p.motion_mm},
-                    {"validate_free_space", &p.validate_free_space}});
+                    {"icp_points", &p.icp_points}});
 }
 
 SettingSection reference_section(ReferenceModelParams& p) {
