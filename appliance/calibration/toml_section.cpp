@@ -13,6 +13,7 @@ namespace {
 /// A value as the file has it, on one line and not endless.
 std::string shown(const toml::node& node) {
     if (node.is_table()) return "a table";
+    if (node.is_floating_point()) return toml_float(node.as_floating_point()->get());
     std::ostringstream out;
     out << toml::default_formatter(node.is_array() ? *node.as_array() : toml::array{node});
     std::string text = out.str();
@@ -223,6 +224,8 @@ std::string toml_quoted(std::string_view text) {
 }
 
 std::string toml_float(double value) {
+    if (std::isnan(value)) return "nan";
+    if (std::isinf(value)) return value < 0 ? "-inf" : "inf";
     std::array<char, 40> text = {};
     const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
     std::string out(text.data(), end);

@@ -90,7 +90,7 @@ bool is_utc_time(std::string_view text);
 /// `text` as a TOML basic string, quotes included.
 std::string toml_quoted(std::string_view text);
 
-/// The shortest TOML float that reads back as `value` (finite), sign of zero included.
+/// The shortest TOML float that reads back as `value`, sign of zero included.
 std::string toml_float(double value);
 
 }  // namespace deixis

@@ -37,13 +37,13 @@ Result<void> check_recording(const Session& session, size_t index, const Calibra
         return fail(stream_key(session, index, "file") + ": expected a recording at " + stream.file.string());
     const Result<OniSummary> head = read_oni_head(stream.file);
     if (!head) return tl::unexpected(head.error());
-    if (head->frames != stream.frames)
-        return fail(stream_key(session, index, "frames") + ": expected " + std::to_string(head->frames) +
-                    " as in " + stream.file.filename().string() + ", found " + std::to_string(stream.frames));
     if (head->width != sensor.camera.width || head->height != sensor.camera.height)
         return fail(stream.file.string() + ": expected " + std::to_string(sensor.camera.width) + " x " +
                     std::to_string(sensor.camera.height) + " pixels as in calibration.toml, found " +
                     std::to_string(head->width) + " x " + std::to_string(head->height));
+    if (head->frames != stream.frames)
+        return fail(stream_key(session, index, "frames") + ": expected " + std::to_string(head->frames) +
+                    " as in " + stream.file.filename().string() + ", found " + std::to_string(stream.frames));
     if (head->infrared != (sensor.kind == SensorKind::infrared))
         return fail(stream.file.string() + ": expected " +
                     (sensor.kind == SensorKind::infrared ? "an infrared" : "a depth") +
@@ -76,6 +76,13 @@ Result<void> check_stream(const Session& session, size_t index, const Calibrated
 
 /// Streams in the order of the rig, one for each sensor, files as paths.
 Result<void> order_streams(Session& session) {
+    for (size_t i = 0; i < session.streams.size(); ++i) {
+        const auto known = [&](const CalibratedSensor& s) { return s.name == session.streams[i].sensor; };
+        if (std::none_of(session.rig.sensors.begin(), session.rig.sensors.end(), known))
+            return fail(stream_key(session, i, "sensor") +
+                        ": expected a sensor of calibration.toml, found \"" + session.streams[i].sensor +
+                        "\"");
+    }
     std::vector<SessionStream> ordered;
     for (const CalibratedSensor& sensor : session.rig.sensors) {
         const auto found = std::find_if(session.streams.begin(), session.streams.end(),
@@ -85,13 +92,6 @@ Result<void> order_streams(Session& session) {
                         ": key 'stream': expected a stream of sensor '" + sensor.name +
                         "', which calibration.toml names");
         ordered.push_back(*found);
-    }
-    for (size_t i = 0; i < session.streams.size(); ++i) {
-        const auto known = [&](const CalibratedSensor& s) { return s.name == session.streams[i].sensor; };
-        if (std::none_of(session.rig.sensors.begin(), session.rig.sensors.end(), known))
-            return fail(stream_key(session, i, "sensor") +
-                        ": expected a sensor of calibration.toml, found \"" + session.streams[i].sensor +
-                        "\"");
     }
     for (SessionStream& stream : ordered) {
         stream.file = session.folder / stream.file;

@@ -204,7 +204,7 @@ TEST(DepthCodec, RandomAndDamagedBytesNeverOverrun) {
         if (trial % 3 == 0) bytes.resize(random() % (bytes.size() + 1));
         if (trial % 5 == 0)
             std::generate(bytes.begin(), bytes.end(), [&] { return static_cast<uint8_t>(random()); });
-        for (unsigned flips = random() % 4; flips > 0 && !bytes.empty(); --flips)
+        for (auto flips = random() % 4; flips > 0 && !bytes.empty(); --flips)
             bytes[random() % bytes.size()] ^= static_cast<uint8_t>(1U << random() % 8);
         // Exactly as long as it is, so that a sanitizer sees a read beyond it.
         const Bytes exact(bytes.begin(), bytes.end());
