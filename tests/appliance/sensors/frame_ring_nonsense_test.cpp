@@ -1,11 +1,13 @@
 // A child that talks nonsense, and memory that is no ring: each is refused with its own sentence.
 #include <gmock/gmock.h>
 
+#include <algorithm>
 #include <boost/interprocess/mapped_region.hpp>
 #include <boost/interprocess/shared_memory_object.hpp>
 #include <filesystem>
 #include <fstream>
 #include <functional>
+#include <random>
 
 #include "appliance/sensors/frame_ring.h"
 #include "appliance/sensors/host_clock.h"
@@ -236,6 +238,35 @@ TEST(FrameRingNonsense, MemoryThatIsNoRingIsNotAttachedTo) {
     const RawRing ring;
     std::filesystem::resize_file("/dev/shm/" + ring.reader.name(), sizeof(RingHeader) + 64);
     EXPECT_THAT(refusal_of(ring.reader.name()), HasSubstr("is 512 bytes long, expected 1728"));
+}
+
+TEST(FrameRingNonsense, RandomDamageIsSurvived) {
+    std::mt19937 random(11);
+    int refused = 0;
+    for (int round = 0; round < 4'000; ++round) {
+        RawRing ring(round % 2 == 0);
+        DepthFrame frame;
+        for (uint64_t id = 1; id <= 6; ++id) {
+            ring.publish(id, static_cast<int64_t>(id) * 1'000);
+            auto* bytes = static_cast<unsigned char*>(ring.region.get_address());
+            for (auto k = random() % 3; k > 0; --k) {
+                const size_t at = random() % ring.region.get_size();
+                bytes[at] = random() % 3 == 0 ? 0xFF : static_cast<unsigned char>(random());
+            }
+            const Take take = ring.reader.take(frame, 3);
+            const auto status = ring.reader.status();
+            if (take == Take::frame) {
+                ASSERT_EQ(frame.depth.millimetres.size(), 16U * 8U);
+                ASSERT_EQ(std::count(frame.depth.millimetres.begin(), frame.depth.millimetres.end(), 65535),
+                          0);
+            } else if (take != Take::nothing) {
+                ASSERT_FALSE(ring.reader.refusal().empty());
+                ++refused;
+            }
+            ASSERT_TRUE(status || !status.error().sentence.empty());
+        }
+    }
+    EXPECT_GT(refused, 1'000);
 }
 
 TEST(FrameRingNonsense, ImpossibleGeometryIsNotMade) {

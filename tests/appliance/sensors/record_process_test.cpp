@@ -198,5 +198,53 @@ TEST_F(RecordProcess, RefusesWhatItCannotRecord) {
     EXPECT_THAT(text_of(complained_in()), HasSubstr(out_.string()));
 }
 
+/// How many frames of a recording are not those that the device sent.
+struct Judged {
+    int frames = 0, altered = 0;
+    std::string fault;
+};
+
+Judged judge(const std::filesystem::path& recording, uint32_t sensor) {
+    Judged judged;
+    const auto read = read_oni(recording, [&](int64_t, int64_t, const DepthImage& image) {
+        const DepthImage sent = numbered_image(stage_width, stage_height,
+                                               image.millimetres[0] % (VirtualStage::frames + 1), sensor);
+        ++judged.frames;
+        judged.altered += image.millimetres == sent.millimetres ? 0 : 1;
+        return true;
+    });
+    if (!read) judged.fault = read.error().sentence;
+    return judged;
+}
+
+TEST_F(RecordProcess, IsRightWhereTwoStockRecordersInOneProcessMayNotBe) {
+    // Both watch the same devices at the same time. The stock Recorder is only reported: it is not always
+    // wrong.
+    const auto peer_folder = stage_.folder() / "peer";
+    std::filesystem::create_directory(peer_folder);
+    auto peer = ChildProcess::start(
+        {std::filesystem::read_symlink("/proc/self/exe").parent_path() / "stock_recorder_peer",
+         {peer_folder, "6"},
+         {{"LD_LIBRARY_PATH", driver_folder()}}});
+    ASSERT_TRUE(peer) << peer.error().sentence;
+    start({"--seconds", "4"});
+    EXPECT_EQ(end(), "ended with code 0") << text_of(complained_in());
+    ASSERT_TRUE(within(30s, [&] { return peer->ended().has_value(); }));
+    std::cout << "the peer " << *peer->ended() << '\n';
+    const auto session = open_session(out_);
+    ASSERT_TRUE(session) << session.error().sentence;
+    for (size_t i = 0; i < 2; ++i) {
+        const Judged ours = judge(session->streams[i].file, static_cast<uint32_t>(i));
+        EXPECT_EQ(ours.fault, "");
+        EXPECT_GE(ours.frames, 100);
+        EXPECT_EQ(ours.altered, 0);
+        (void)mend_recording(peer_folder / (session->streams[i].sensor + ".oni"));
+        const Judged stock =
+            judge(peer_folder / (session->streams[i].sensor + ".oni"), static_cast<uint32_t>(i));
+        std::cout << "stock Recorder, " << session->streams[i].sensor << ": " << stock.altered << " of "
+                  << stock.frames << " frames altered; " << stock.fault << '\n';
+    }
+}
+
 }  // namespace
 }  // namespace deixis

@@ -7,6 +7,7 @@
 
 #include <fstream>
 #include <optional>
+#include <sstream>
 
 #include "appliance/sensors/frame_source.h"
 #include "tests/appliance/sensors/sensor_stage.h"
@@ -360,6 +361,42 @@ TEST(ReplayProcess, StoppingInTheMiddleLeavesNoProcessAndNoMemory) {
     const std::string mine = "deixis-ring-" + std::to_string(getpid()) + "-";
     for (const auto& entry : std::filesystem::directory_iterator("/dev/shm"))
         EXPECT_FALSE(entry.path().filename().string().starts_with(mine)) << entry.path();
+}
+
+/// Processor time that a process has used, in clock ticks (1/100 s).
+long ticks_of(int process) {
+    std::ifstream stat("/proc/" + std::to_string(process) + "/stat");
+    std::string line;
+    std::getline(stat, line);
+    std::istringstream fields(line.substr(line.rfind(')') + 1));
+    std::string skipped;
+    for (int i = 3; i <= 13; ++i) fields >> skipped;
+    long user = 0, system = 0;
+    fields >> user >> system;
+    return user + system;
+}
+
+TEST(ReplayProcess, AfterTheLastFrameThePlayerDoesNotSpin) {
+    // OpenNI2's player burns a core from the last frame of a file until it is stopped.
+    ScratchFolder folder;
+    write_recording(folder / "left.oni", steady_stamps(4), 0);
+    FrameSourceParams params = lock_step();
+    params.ring_frames = 2;
+    const auto source = open_stage({recording_spec("left", folder / "left.oni")}, params);
+    Frameset set;
+    ASSERT_TRUE(within(20s, [&] { return source->next(set, 100ms) == Outcome::frameset; }));
+    usleep(300'000);  // frames 2 and 3 lie in the ring, the child holds the last
+    const int child = source->health()[0].process_id;
+    const long before = ticks_of(child);
+    usleep(1'000'000);
+    EXPECT_LE(ticks_of(child) - before, 30);
+    int more = 0;
+    ASSERT_TRUE(within(20s, [&] {
+        const Outcome outcome = source->next(set, 100ms);
+        more += outcome == Outcome::frameset ? 1 : 0;
+        return outcome == Outcome::end;
+    }));
+    EXPECT_EQ(more, 3);
 }
 
 TEST(ReplayProcess, RefusesWhatCannotBeAStage) {
