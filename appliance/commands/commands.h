@@ -7,6 +7,7 @@ namespace deixis {
 
 /// Each adds its subcommand. A callback that fails writes one sentence to stderr and throws
 /// `CLI::RuntimeError(code)`. Exit codes of the program: 0 done, 1 refused or failed, 2 bad arguments.
+void add_doctor_command(CLI::App& app);
 void add_export_command(CLI::App& app);
 void add_import_command(CLI::App& app);
 void add_mend_command(CLI::App& app);

@@ -1,6 +1,7 @@
 // Chooses the mode, owns the thread.
 #include "appliance/plc/plc_link.h"
 
+#include <modbus/modbus.h>
 #include <sys/eventfd.h>
 #include <unistd.h>
 
@@ -144,6 +145,10 @@ LinkState PlcLink::state() const {
 }
 std::vector<std::string> PlcLink::take_log() {
     return runner_->board().take_log();
+}
+std::string PlcLink::library_version() {
+    return "libmodbus " + std::to_string(libmodbus_version_major) + "." +
+           std::to_string(libmodbus_version_minor) + "." + std::to_string(libmodbus_version_micro);
 }
 int PlcLink::port() const {
     return runner_->port();

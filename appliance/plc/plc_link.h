@@ -86,6 +86,9 @@ class PlcLink {
     /// The port that the server listens on; 0 otherwise.
     int port() const;
 
+    /// "libmodbus 3.1.6".
+    static std::string library_version();
+
     PlcLink(const PlcLink&) = delete;
     PlcLink& operator=(const PlcLink&) = delete;
 
