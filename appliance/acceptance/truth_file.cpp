@@ -81,14 +81,14 @@ std::optional<Value> value_at(const std::vector<TruthFrame>& frames, int64_t tim
     for (auto it = after; it != frames.begin() && !too_far(*std::prev(it)) && earlier == nullptr; --it) {
         if (take(*std::prev(it))) earlier = &*std::prev(it);
     }
-    if (later != nullptr && later->timestamp_us == time) return *take(*later);
+    if (later != nullptr && later->timestamp_us == time) return take(*later);
     const double to_later = later == nullptr ? 1e30 : gap(*later);
     const double to_earlier = earlier == nullptr ? 1e30 : gap(*earlier);
     if (to_later + to_earlier <= double(longest_gap_us)) {
         return blend(*take(*earlier), *take(*later), to_earlier / (to_later + to_earlier));
     }
     const TruthFrame* nearest = to_earlier <= to_later ? earlier : later;
-    if (std::min(to_earlier, to_later) <= double(nearest_us)) return *take(*nearest);
+    if (std::min(to_earlier, to_later) <= double(nearest_us)) return take(*nearest);
     return std::nullopt;
 }
 
