@@ -61,17 +61,24 @@ struct Perception::Stages {
         part_surface.commit();
     }
 
-    /// Which surface points the tracked part explains; none while it is not tracked.
+    /// Which foreground points the tracked part explains; none while it is not tracked.
     void take_part_out(const PartEstimate& part, const SurfacePoints& points) {
         part_points.assign(points.size(), 0);
         if (part.state != PartState::tracking) return;
+        const ReferenceModel& model = tracker->model();
         const RigidTransform part_from_world = part.world_from_part.inverse();
         const Eigen::Matrix3f rotation = part_from_world.rotation.cast<float>();
         const Eigen::Vector3f translation = part_from_world.translation.cast<float>();
-        const ReferenceModel& model = tracker->model();
-        for (size_t i = 0; i < points.size(); ++i)
-            part_points[i] =
-                model.distance_to_surface(rotation * points.positions[i] + translation) < part_margin;
+        const Eigen::Array3f low = model.bounds().min.array() - part_margin;
+        const Eigen::Array3f high = model.bounds().max.array() + part_margin;
+        for (size_t i = 0; i < points.size(); ++i) {
+            if (!points.foreground[i]) continue;
+            const Eigen::Vector3f p = rotation * points.positions[i] + translation;
+            // Most of the worker is nowhere near the part: the box spares a look into a table too large for
+            // the cache.
+            if ((p.array() < low).any() || (p.array() > high).any()) continue;
+            part_points[i] = model.distance_to_surface(p) < part_margin;
+        }
     }
 };
 
