@@ -10,10 +10,23 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <stdexcept>
 #include <string>
 
 #include "appliance/parts/cad_file.h"
 #include "appliance/parts/part_model.h"
+
+namespace Assimp {
+
+/// Debian's Assimp 5.2 calls this where it doubts itself; its own version ends the program, and there is no
+/// setter. This one takes its place when the program is linked: a damaged file must not be able to stop a
+/// station.
+[[noreturn]] void aiAssertViolation(const char* doubt, const char* /*file*/, int /*line*/);
+void aiAssertViolation(const char* doubt, const char* /*file*/, int /*line*/) {
+    throw std::runtime_error(std::string("inner check failed: ") + doubt);
+}
+
+}  // namespace Assimp
 
 namespace deixis {
 namespace {

@@ -207,7 +207,7 @@ void PartTracker::Impl::accept(const Frameset& frameset, const IcpResult& fit, c
         certain = still.residual > evidence.residual + 0.015;
     }
     rest.add(frameset.timestamp_us, pose, certain);
-    if (rest.at_rest()) {
+    if (rest.at_rest() && !rest.leaving()) {
         motion = {};
         pose = rest.resting_pose();
     }

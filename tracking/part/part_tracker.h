@@ -31,7 +31,7 @@ struct PartTrackerParams {
     int lost_frames = 3;         ///< framesets in a row without the part until it is searched again
     double rest_s = 0.5;         ///< the part must keep still this long to be at rest [s]
     double rest_mm = 5;          ///< ... within this [mm]
-    double motion_mm = 9;        ///< a resting part that is farther off than this has moved [mm]
+    double motion_mm = 6;        ///< a resting part that is farther off than this has moved [mm]
     int icp_points = 6000;       ///< of a frameset that ICP uses, at most
     InvalidSettings validate() const;
 };

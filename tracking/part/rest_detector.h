@@ -11,7 +11,7 @@ namespace deixis {
 struct RestParams {
     double rest_s = 0.5;      ///< keep still this long [s]
     double rest_m = 0.005;    ///< ... within this of the mean [m]
-    double motion_m = 0.009;  ///< farther than this from the resting pose is motion [m]
+    double motion_m = 0.006;  ///< farther than this from the resting pose is motion [m]
     int average = 60;         ///< poses in the mean of a resting part, at most
 };
 
@@ -27,6 +27,10 @@ class RestDetector {
 
     void reset();
     bool at_rest() const { return at_rest_; }
+
+    /// The last pose was away from the resting one: if the next is too, the rest is over. Do not show the
+    /// resting pose.
+    bool leaving() const { return away_ > 0; }
 
     /// The averaged pose; means something only at rest.
     const RigidTransform& resting_pose() const { return resting_; }
