@@ -66,6 +66,8 @@ void ScreenConnection::on_readable(Clock::time_point now, const LiveMessage* new
     int received = 0;
     try {
         received = socket_.receiveBytes(buffer.data(), static_cast<int>(buffer.size()));
+    } catch (const Poco::TimeoutException&) {  // nothing there after all
+        return;
     } catch (const Poco::Exception&) {  // reset by the client
         phase_ = Phase::over;
         return;
@@ -155,6 +157,8 @@ void ScreenConnection::flush(Clock::time_point now) {
         try {
             sent = socket_.sendBytes(front.data() + outbox_offset_,
                                      static_cast<int>(front.size() - outbox_offset_), MSG_NOSIGNAL);
+        } catch (const Poco::TimeoutException&) {  // so Poco calls a full socket buffer
+            return;
         } catch (const Poco::Exception&) {
             phase_ = Phase::over;
             outbox_.clear();
