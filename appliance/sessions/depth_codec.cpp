@@ -92,69 +92,92 @@ uint16_t u16_at(const uint8_t* p) {
     return static_cast<uint16_t>(p[0] | (p[1] << 8));
 }
 
-/// Codes to symbols in [0, limit), each given to `value_of` on its way into a pixel.
+/// Codes to symbols in [0, limit), each turned into a pixel by `value_of`.
 template <class ValueOf>
-std::optional<CodecFault> decode_codes(std::span<const uint8_t> coded, size_t at, int limit,
-                                       std::span<uint16_t> pixels, ValueOf value_of) {
-    constexpr const char* more_pixels = "no more pixels than the image has";
-    constexpr const char* in_range = "a value inside the table (16zT) or below 65536 (16zP)";
-    constexpr const char* more_bytes = "more coded bytes";
-    if (coded.size() < at + 2) return CodecFault{at, "the first value, two bytes"};
-    int symbol = u16_at(&coded[at]);
-    if (symbol >= limit) return CodecFault{at, in_range};
-    at += 2;
-    const size_t count = pixels.size();
-    size_t done = 0;
-    pixels[done++] = value_of(symbol);
-    while (at < coded.size()) {
-        const uint8_t byte = coded[at];
-        if (byte >= run_base && byte != 0xFF) {
-            const size_t equal = 2 * static_cast<size_t>(byte - run_base);
-            if (equal == 0) return CodecFault{at, "a run of at least one pair"};
-            if (equal > count - done) return CodecFault{at, more_pixels};
-            std::fill_n(pixels.begin() + static_cast<std::ptrdiff_t>(done), equal, value_of(symbol));
-            done += equal;
-            ++at;
-            continue;
+class CodeReader {
+  public:
+    CodeReader(std::span<const uint8_t> coded, size_t at, int limit, std::span<uint16_t> pixels,
+               ValueOf value_of)
+        : coded_(coded), pixels_(pixels), at_(at), limit_(limit), value_of_(value_of) {}
+
+    std::optional<CodecFault> read() {
+        if (coded_.size() < at_ + 2) return CodecFault{at_, "the first value, two bytes"};
+        const size_t first_at = at_;
+        at_ += 2;
+        if (!put(u16_at(&coded_[first_at]), first_at)) return fault_;
+        while (at_ < coded_.size()) {
+            const uint8_t byte = coded_[at_];
+            const bool run = byte >= run_base && byte != 0xFF;
+            if (run ? !read_run(byte) : !read_pair(byte)) return fault_;
         }
-        const int high = byte >> 4;
-        const int low = byte & 0x0F;
-        if (byte != 0xFF) {
-            if (high > 2 * nibble_reach)
-                return CodecFault{at, "a difference of at most 6 in the high nibble"};
-            if (done == count) return CodecFault{at, more_pixels};
-            symbol += nibble_reach - high;
-            if (symbol < 0 || symbol >= limit) return CodecFault{at, in_range};
-            pixels[done++] = value_of(symbol);
-        }
-        ++at;
-        if (low == ending) {
-            // Ours ends here; the Recorder's may have one run left.
-            const bool last = at == coded.size() || (at + 1 == coded.size() && coded[at] >= run_base);
-            if (!last) return CodecFault{at, "the end after a lone nibble"};
-            continue;
-        }
-        if (done == count) return CodecFault{at - 1, more_pixels};
-        if (low <= 2 * nibble_reach) {
-            symbol += nibble_reach - low;
-        } else if (low == escape) {
-            if (at == coded.size()) return CodecFault{at, more_bytes};
-            if (coded[at] >= 0x80) {
-                symbol -= coded[at++] - byte_middle;
-            } else {
-                if (at + 1 == coded.size()) return CodecFault{at + 1, more_bytes};
-                symbol = (coded[at] << 8) | coded[at + 1];
-                at += 2;
-            }
-        } else {
-            return CodecFault{at - 1, "a difference of at most 6, 0xD or 0xF in the low nibble"};
-        }
-        if (symbol < 0 || symbol >= limit) return CodecFault{at - 1, in_range};
-        pixels[done++] = value_of(symbol);
+        if (done_ != pixels_.size()) return CodecFault{coded_.size(), "as many pixels as the image has"};
+        return std::nullopt;
     }
-    if (done != count) return CodecFault{coded.size(), "as many pixels as the image has"};
-    return std::nullopt;
-}
+
+  private:
+    bool refuse(size_t at, const char* expected) {
+        fault_ = {at, expected};
+        return false;
+    }
+
+    bool put(int symbol, size_t code_at) {
+        if (done_ == pixels_.size()) return refuse(code_at, "no more pixels than the image has");
+        if (symbol < 0 || symbol >= limit_)
+            return refuse(code_at, "a value inside the table (16zT) or below 65536 (16zP)");
+        symbol_ = symbol;
+        pixels_[done_++] = value_of_(symbol);
+        return true;
+    }
+
+    bool read_run(uint8_t byte) {
+        const size_t equal = 2 * static_cast<size_t>(byte - run_base);
+        if (equal == 0) return refuse(at_, "a run of at least one pair");
+        if (equal > pixels_.size() - done_) return refuse(at_, "no more pixels than the image has");
+        std::fill_n(pixels_.begin() + static_cast<std::ptrdiff_t>(done_), equal, value_of_(symbol_));
+        done_ += equal;
+        ++at_;
+        return true;
+    }
+
+    /// The nibbles of `byte` and, behind an escape, the byte or value that they announce.
+    bool read_pair(uint8_t byte) {
+        const size_t byte_at = at_++;
+        if (byte != 0xFF) {
+            const int high = byte >> 4;
+            if (high > 2 * nibble_reach)
+                return refuse(byte_at, "a difference of at most 6 in the high nibble");
+            if (!put(symbol_ + nibble_reach - high, byte_at)) return false;
+        }
+        const int low = byte & 0x0F;
+        if (low <= 2 * nibble_reach) return put(symbol_ + nibble_reach - low, byte_at);
+        if (low == escape) return read_escaped();
+        if (low != ending) return refuse(byte_at, "a difference of at most 6, 0xD or 0xF in the low nibble");
+        // Ours ends here; the Recorder's may have one run left.
+        const bool last = at_ == coded_.size() || (at_ + 1 == coded_.size() && coded_[at_] >= run_base);
+        return last || refuse(at_, "the end after a lone nibble");
+    }
+
+    bool read_escaped() {
+        const size_t code_at = at_;
+        const size_t left = coded_.size() - at_;
+        if (left == 0 || (coded_[at_] < 0x80 && left == 1)) return refuse(coded_.size(), "more coded bytes");
+        if (coded_[at_] >= 0x80) {
+            at_ += 1;
+            return put(symbol_ - (coded_[code_at] - byte_middle), code_at);
+        }
+        at_ += 2;
+        return put((coded_[code_at] << 8) | coded_[code_at + 1], code_at);
+    }
+
+    std::span<const uint8_t> coded_;
+    std::span<uint16_t> pixels_;
+    size_t at_;
+    size_t done_ = 0;
+    int limit_;
+    int symbol_ = 0;
+    ValueOf value_of_;
+    CodecFault fault_;
+};
 
 std::optional<CodecFault> decode_table(std::span<const uint8_t> coded, std::span<uint16_t> pixels) {
     if (coded.size() < 2) return CodecFault{0, "the table's size, two bytes"};
@@ -165,8 +188,8 @@ std::optional<CodecFault> decode_table(std::span<const uint8_t> coded, std::span
     for (size_t i = 1; i < entries; ++i)
         if (u16_at(table + 2 * i) <= u16_at(table + 2 * i - 2))
             return CodecFault{2 + 2 * i, "an ascending table"};
-    return decode_codes(coded, 2 + 2 * entries, static_cast<int>(entries), pixels,
-                        [table](int index) { return u16_at(table + 2 * static_cast<size_t>(index)); });
+    const auto value_of = [table](int index) { return u16_at(table + 2 * static_cast<size_t>(index)); };
+    return CodeReader(coded, 2 + 2 * entries, static_cast<int>(entries), pixels, value_of).read();
 }
 
 }  // namespace
@@ -204,7 +227,7 @@ bool DepthEncoder::encode(OniCodec codec, std::span<const uint16_t> pixels, std:
     seen_.resize(65536, 0);
     index_of_value_.resize(65536);
     for (const uint16_t pixel : pixels) seen_[pixel] = 1;
-    out.resize(3 * pixels.size() + 4 + size_t{2} * 65536);
+    out.resize(3 * pixels.size() + 4 + 2 * std::min(pixels.size(), size_t{65536}));
     uint8_t* at = out.data() + 2;
     size_t entries = 0;
     for (size_t value = 0; value < 65536; ++value) {
@@ -229,7 +252,8 @@ std::optional<CodecFault> decode_depth(OniCodec codec, std::span<const uint8_t> 
     assert(!pixels.empty());
     if (codec == OniCodec::table) return decode_table(coded, pixels);
     if (codec == OniCodec::differences)
-        return decode_codes(coded, 0, 65536, pixels, [](int value) { return static_cast<uint16_t>(value); });
+        return CodeReader(coded, 0, 65536, pixels, [](int value) { return static_cast<uint16_t>(value); })
+            .read();
     if (coded.size() != 2 * pixels.size())
         return CodecFault{std::min(coded.size(), 2 * pixels.size()), "exactly two bytes a pixel"};
     for (size_t i = 0; i < pixels.size(); ++i) pixels[i] = u16_at(&coded[2 * i]);

@@ -15,13 +15,23 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Everything written so far is on the disk.
-Result<void> sync_file_system(const fs::path& folder) {
-    const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
-    const bool done = descriptor >= 0 && ::syncfs(descriptor) == 0;
+Result<void> sync_one(const fs::path& path) {
+    const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NOFOLLOW);
+    const bool done = descriptor >= 0 && ::fsync(descriptor) == 0;
     const std::string reason = std::strerror(errno);
     if (descriptor >= 0) ::close(descriptor);
-    return done ? Result<void>{} : fail(folder.string() + ": cannot be brought to disk: " + reason);
+    return done ? Result<void>{} : fail(path.string() + ": cannot be brought to disk: " + reason);
+}
+
+/// Every file and folder below `folder` is on the disk: theirs alone, for syncfs would wait for other
+/// programs too.
+Result<void> sync_tree(const fs::path& folder) {
+    std::error_code error;
+    for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end;
+         entry.increment(error))
+        if (auto done = sync_one(entry->path()); !done) return done;
+    if (error) return fail(folder.string() + ": cannot be listed: " + error.message());
+    return sync_one(folder);
 }
 
 }  // namespace
@@ -38,7 +48,7 @@ Result<void> seal_session(Session& session, const std::map<std::string, std::str
         return done;
     std::error_code error;
     if (fs::exists(folder, error)) return fail(folder.string() + ": exists already");
-    if (auto done = sync_file_system(working); !done) return done;
+    if (auto done = sync_tree(working); !done) return done;
     fs::rename(working, folder, error);
     if (error)
         return fail(working.string() + ": cannot be renamed to " + folder.string() + ": " + error.message());

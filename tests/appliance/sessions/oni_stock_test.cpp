@@ -33,7 +33,7 @@ std::vector<DepthImage> tails() {
 std::vector<Case> cases() {
     std::vector<Case> all;
     all.push_back({"odd_size", room_images(33, 17, 20)});
-    all.push_back({"vga", room_images(640, 480, 12)});
+    all.push_back({"vga", room_images(640, 480, 6)});
     all.push_back({"kinect2", room_images(512, 424, 3)});
     all.push_back({"qvga", room_images(320, 240, 3)});
     all.push_back({"hd", room_images(1280, 720, 2)});
