@@ -74,6 +74,20 @@ Result<std::unique_ptr<ScreenLink>> screen_of(const Settings& settings, const Wo
     return ScreenLink::start(params, cell, settings.station.database);
 }
 
+/// Whatever the PLC has not echoed within this time after the end of a session is delivered by the next
+/// start.
+constexpr std::chrono::seconds last_word_of_plc{3};
+
+/// Lets the PLC take the last marks of a session that has been played.
+void wait_for_plc(Station& station) {
+    const auto deadline = std::chrono::steady_clock::now() + last_word_of_plc;
+    while (station.state().plc.defects_waiting > 0 && !stop_requested() &&
+           std::chrono::steady_clock::now() < deadline) {
+        station.turn(std::chrono::milliseconds(0));
+        poll(nullptr, 0, 20);
+    }
+}
+
 /// Turns until the end, a signal, or the time given. After the end of a session the results get their name
 /// and the screen stays until a signal.
 Result<void> run(Station& station, ScreenLink* screen, ResultsWriter* results, StationLog& log,
@@ -90,6 +104,7 @@ Result<void> run(Station& station, ScreenLink* screen, ResultsWriter* results, S
         if (screen) screen->show(station, fresh);
         if (results && fresh) results->add(station.result());
         if (turn != Station::Turn::finished) continue;
+        if (!finished) wait_for_plc(station);
         poll(nullptr, 0, 200);  // nothing comes any more: only the screen is kept up
         if (finished) continue;
         finished = true;
