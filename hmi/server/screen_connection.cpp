@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 
 #include "hmi/server/http_request.h"
 #include "hmi/server/web_socket_frames.h"
@@ -21,6 +22,13 @@ constexpr milliseconds silence_limit{20000};
 constexpr size_t max_drained_bytes = 1U << 20U;
 // Bounds how much stale live data the kernel holds for a slow client.
 constexpr int live_send_buffer_bytes = 256 * 1024;
+
+/// Poco throws also when a socket that must not block would have to; depending on the call, with either of
+/// these.
+bool means_not_now(const Poco::Exception& error) {
+    return error.code() == EAGAIN || error.code() == EINTR ||
+           dynamic_cast<const Poco::TimeoutException*>(&error) != nullptr;
+}
 
 SharedBytes shared(std::string bytes) {
     return std::make_shared<const std::string>(std::move(bytes));
@@ -66,10 +74,8 @@ void ScreenConnection::on_readable(Clock::time_point now, const LiveMessage* new
     int received = 0;
     try {
         received = socket_.receiveBytes(buffer.data(), static_cast<int>(buffer.size()));
-    } catch (const Poco::TimeoutException&) {  // nothing there after all
-        return;
-    } catch (const Poco::Exception&) {  // reset by the client
-        phase_ = Phase::over;
+    } catch (const Poco::Exception& error) {
+        if (!means_not_now(error)) phase_ = Phase::over;  // reset by the client
         return;
     }
     if (received < 0) return;  // nothing there after all
@@ -157,9 +163,8 @@ void ScreenConnection::flush(Clock::time_point now) {
         try {
             sent = socket_.sendBytes(front.data() + outbox_offset_,
                                      static_cast<int>(front.size() - outbox_offset_), MSG_NOSIGNAL);
-        } catch (const Poco::TimeoutException&) {  // so Poco calls a full socket buffer
-            return;
-        } catch (const Poco::Exception&) {
+        } catch (const Poco::Exception& error) {
+            if (means_not_now(error)) return;
             phase_ = Phase::over;
             outbox_.clear();
             return;
@@ -196,7 +201,7 @@ void ScreenConnection::on_time(Clock::time_point now, const LiveMessage* newest)
             return;
         case Phase::answering:
         case Phase::lingering:
-            if (now >= phase_deadline_) phase_ = Phase::over;
+            if (now >= phase_deadline_) give_up();
             return;
         case Phase::over:
             return;
@@ -205,10 +210,7 @@ void ScreenConnection::on_time(Clock::time_point now, const LiveMessage* newest)
     }
     const bool stuck =
         !outbox_.empty() && now >= last_progress_ + milliseconds(around_.params.slow_client_timeout_ms);
-    if (stuck || now >= last_heard_ + silence_limit) {
-        phase_ = Phase::over;
-        return;
-    }
+    if (stuck || now >= last_heard_ + silence_limit) return give_up();
     if (!outbox_.empty() || now < deadline(newest)) return;
     if (now >= last_ping_ + ping_interval) {
         last_ping_ = now;
@@ -222,6 +224,15 @@ void ScreenConnection::on_time(Clock::time_point now, const LiveMessage* newest)
 
 void ScreenConnection::refuse_for_lack_of_room(Clock::time_point now) {
     answer(error_answer(503, "Too many connections are open; try again."), true, now);
+}
+
+// What the client has not fetched in its time is dropped, in the kernel too.
+void ScreenConnection::give_up() {
+    phase_ = Phase::over;
+    try {
+        socket_.setLinger(true, 0);
+    } catch (const Poco::Exception&) {  // it is gone already
+    }
 }
 
 void ScreenConnection::end_now() {

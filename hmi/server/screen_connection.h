@@ -60,6 +60,7 @@ class ScreenConnection {
     void send_newest(Clock::time_point now, const LiveMessage& newest);
     void flush(Clock::time_point now);
     void linger(Clock::time_point now);
+    void give_up();
 
     Poco::Net::StreamSocket socket_;
     ConnectionSurroundings around_;

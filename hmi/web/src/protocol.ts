@@ -57,6 +57,10 @@ export interface LiveMessage {
     readonly session: string;
     /** 0 to 1 of a replay; null when live. */
     readonly progress: number | null;
+    /** The replay has come to its end. */
+    readonly finished: boolean;
+    /** The newest thing that went wrong, such as a mark that could not be recorded; empty when nothing did. */
+    readonly trouble: string;
     readonly staleAfterMs: number;
     readonly marksTotal: number;
 }
@@ -231,6 +235,8 @@ export function parseLive(value: unknown): LiveMessage {
         record: healthOf(live["record"], "record"),
         session: textOf(live["session"]),
         progress: typeof progress === "number" ? Math.min(1, Math.max(0, progress)) : null,
+        finished: live["finished"] === true,
+        trouble: textOf(live["trouble"]),
         staleAfterMs: numberOf(live["stale_after_ms"], "stale_after_ms"),
         marksTotal: numberOf(live["marks_total"], "marks_total"),
     };

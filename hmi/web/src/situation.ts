@@ -20,6 +20,7 @@ export interface Alarm {
 }
 
 const linkGraceMs = 1500;
+const troubleShownMs = 30_000;
 
 /** How long ago the last frame was new [ms]; null before the first. */
 export function frameAge(state: ScreenState): number | null {
@@ -27,7 +28,7 @@ export function frameAge(state: ScreenState): number | null {
 }
 
 export function sessionEnded(state: ScreenState): boolean {
-    return state.live !== null && state.live.progress !== null && state.live.progress >= 1;
+    return state.live?.finished === true;
 }
 
 /** Whether what is drawn of the moment (pose, worker, ray) may no longer be believed. */
@@ -95,7 +96,11 @@ const sensorSeverities: Readonly<Record<string, Severity>> = {
     restarting: "attention",
 };
 const plcSeverities: Readonly<Record<string, Severity>> = { off: "normal", alive: "normal" };
-const recordSeverities: Readonly<Record<string, Severity>> = { open: "normal", ok: "normal" };
+const recordSeverities: Readonly<Record<string, Severity>> = {
+    ready: "normal",
+    writing: "normal",
+    retrying: "attention",
+};
 
 /** A sensor that is neither well nor coming back is a fault, whatever its word. */
 export function sensorSeverity(sensor: SensorHealth): Severity {
@@ -123,7 +128,8 @@ export function alarms(state: ScreenState): readonly Alarm[] {
             found.push({
                 severity: record,
                 text: sentence(join(`Record ${state.live.record.state}`, state.live.record.reason)),
-                response: "No marks are kept. Call maintenance.",
+                response:
+                    record === "fault" ? "No marks are kept. Call maintenance." : "Marks wait until it can be written.",
             });
         for (const sensor of state.live.sensors) {
             const severity = sensorSeverity(sensor);
@@ -134,6 +140,8 @@ export function alarms(state: ScreenState): readonly Alarm[] {
                 response: severity === "fault" ? "Check its cable and power." : "The station is bringing it back.",
             });
         }
+        if (state.live.trouble !== "" && state.now - state.troubleAt < troubleShownMs)
+            found.push({ severity: "attention", text: sentence(state.live.trouble), response: "See the station's log." });
         const plc = plcSeverity(state.live.plc);
         if (plc !== "normal")
             found.push({

@@ -12,6 +12,8 @@ export interface ScreenState {
     readonly frameAt: number | null;
     /** The browser's clock [ms], advanced a few times a second. */
     readonly now: number;
+    /** When the station's newest trouble was new, on the browser's clock [ms]. */
+    readonly troubleAt: number;
     readonly part: Part | null;
     readonly mesh: Mesh | null;
     readonly cell: Cell | null;
@@ -35,6 +37,7 @@ export const emptyState: ScreenState = {
     live: null,
     frameAt: null,
     now: 0,
+    troubleAt: -Infinity,
     part: null,
     mesh: null,
     cell: null,
@@ -88,6 +91,7 @@ export class Store {
             live: live.frame === null ? { ...live, frame: before } : live,
             now,
             ...(fresh ? { frameAt: now } : {}),
+            ...(live.trouble !== (this.current.live?.trouble ?? "") ? { troubleAt: now } : {}),
         });
     }
 

@@ -36,7 +36,7 @@ test("the headline of each situation", () => {
         [withPart(tracking), "normal", "Ready"],
         [withPart(tracking, hit), "normal", "Pointing"],
         [withPart(tracking, { ...hit, hit_part: null }), "normal", "Pointing past the part"],
-        [seen({ progress: 1 }, 5000), "normal", "End of the recording"],
+        [seen({ finished: true }, 5000), "normal", "End of the recording"],
     ];
     for (const [state, severity, title] of cases) {
         const line = headline(state);
@@ -61,9 +61,9 @@ test("nothing calm is said over stale or missing frames", () => {
 });
 
 test("the end of a recording is not an alarm, its middle is", () => {
-    assert.equal(sessionEnded(seen({ progress: 1 })), true);
-    assert.equal(sessionEnded(seen({ progress: 0.99 })), false);
-    assert.equal(sessionEnded(seen({ progress: null })), false);
+    assert.equal(sessionEnded(seen({ finished: true })), true);
+    assert.equal(sessionEnded(seen({ progress: 1 })), false);
+    assert.equal(sessionEnded(emptyState), false);
 });
 
 test("alarms name what is wrong, why, and what to do, most urgent first", () => {
@@ -71,12 +71,12 @@ test("alarms name what is wrong, why, and what to do, most urgent first", () => 
     const state = seen({
         sensors: [sensor("left", "restarting", "its process ended"), sensor("right", "missing", "no device")],
         plc: { state: "waiting", reason: "nobody is connected" },
-        record: { state: "refused", reason: "disk full" },
+        record: { state: "failed", reason: "disk full" },
     });
     assert.deepEqual(
         alarms(state).map((alarm) => [alarm.severity, alarm.text]),
         [
-            ["fault", "Record refused: disk full."],
+            ["fault", "Record failed: disk full."],
             ["fault", "Sensor right missing: no device."],
             ["attention", "Sensor left restarting: its process ended."],
             ["attention", "PLC waiting: nobody is connected."],
@@ -98,8 +98,22 @@ test("a word nobody told us is never calm", () => {
     assert.equal(alarms(seen({ plc: { state: "purring", reason: "" } }))[0]?.severity, "attention");
 });
 
+test("a trouble is told for half a minute", () => {
+    const trouble = "mark 3 could not be recorded: disk full";
+    assert.deepEqual(
+        alarms(seen({ trouble }, 29_000)).map((alarm) => alarm.text),
+        ["Mark 3 could not be recorded: disk full."],
+    );
+    assert.deepEqual(alarms(seen({ trouble }, 31_000)), []);
+});
+
+test("a record that waits for its disk is less than one that is lost", () => {
+    const severity = (state: string) => alarms(seen({ record: { state, reason: "disk full" } }))[0]?.severity;
+    assert.deepEqual([severity("ready"), severity("writing"), severity("retrying"), severity("failed")], [undefined, undefined, "attention", "fault"]);
+});
+
 test("without a connection only that is said: the rest is unknown", () => {
-    assert.deepEqual(alarms({ ...seen({ record: { state: "refused", reason: "" } }), link: "lost" }), []);
+    assert.deepEqual(alarms({ ...seen({ record: { state: "failed", reason: "" } }), link: "lost" }), []);
 });
 
 test("a short break of the connection alarms nobody", () => {

@@ -5,7 +5,7 @@ import { element, glyph } from "./elements";
 
 export function mountAlarms(root: HTMLElement, store: Store): () => void {
     let shown = "";
-    return store.watch(["link", "live", "misunderstood"], (state) => {
+    return store.watch(["link", "live", "now", "misunderstood"], (state) => {
         const current = alarms(state);
         const key = JSON.stringify(current);
         if (key === shown) return;

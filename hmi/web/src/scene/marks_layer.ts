@@ -11,6 +11,7 @@ import type { SceneLayer } from "./scene_layer";
 
 const pulseMs = 6000;
 const pulsePeriodMs = 1200;
+const leastDotPx = 18;
 /** Dots float this far above the skin [m], so that the skin itself hides those on its far side only. */
 const lift = 0.012;
 
@@ -73,6 +74,7 @@ export class MarksLayer implements SceneLayer {
     private arrivals: ReadonlyMap<number, number> = new Map();
     private selected: number | null = null;
     private now = 0;
+    private share: number;
 
     /** `frame` as in PartLayer; `dotShare` the dots' height as a share of the picture's. */
     constructor(
@@ -81,6 +83,7 @@ export class MarksLayer implements SceneLayer {
         private readonly dotShare: number,
     ) {
         this.object.matrixAutoUpdate = false;
+        this.share = dotShare;
     }
 
     update(state: ScreenState, changed: Changed): boolean {
@@ -111,6 +114,13 @@ export class MarksLayer implements SceneLayer {
         let moving = false;
         for (const dot of this.dots.values()) moving = this.dress(dot) || moving;
         return moving;
+    }
+
+    fit(heightPx: number): void {
+        const share = Math.max(this.dotShare, leastDotPx / heightPx);
+        if (share === this.share) return;
+        this.share = share;
+        for (const dot of this.dots.values()) this.dress(dot);
     }
 
     /** The mark whose dot is nearest to a point of the picture (-1 to 1 each way), within `reach` of its height. */
@@ -174,10 +184,10 @@ export class MarksLayer implements SceneLayer {
         const phase = pulsing ? (age % pulsePeriodMs) / pulsePeriodMs : 0;
         // What lies on the far side shows through faintly: known, but not here.
         dot.label.sprite.material.opacity = this.faces(dot) ? 1 : 0.25;
-        dot.label.resize(this.dotShare * (chosen ? 1.25 : 1), this.camera.fov);
+        dot.label.resize(this.share * (chosen ? 1.25 : 1), this.camera.fov);
         dot.ring.sprite.visible = chosen || pulsing;
         dot.ring.sprite.material.opacity = pulsing ? 1 - phase : 1;
-        dot.ring.resize(this.dotShare * (pulsing ? 1.2 + 2.4 * phase : 1.75), this.camera.fov);
+        dot.ring.resize(this.share * (pulsing ? 1.2 + 2.4 * phase : 1.75), this.camera.fov);
         return pulsing;
     }
 }

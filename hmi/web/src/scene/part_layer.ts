@@ -15,12 +15,14 @@ import { mergeVertices, toCreasedNormals } from "three/examples/jsm/utils/Buffer
 import type { Mesh } from "../protocol";
 import { isStale } from "../situation";
 import type { Changed, ScreenState } from "../store";
+import { longLines } from "./long_lines";
 import { palette } from "./palette";
 import { matrixOf } from "./pose";
 import type { SceneLayer } from "./scene_layer";
 
 const creaseRadians = (35 * Math.PI) / 180;
 const edgeDegrees = 40;
+const leastLine = 0.1; // shorter lines are the mesh's own, not the part's [m]
 
 export class PartLayer implements SceneLayer {
     readonly object = new Group();
@@ -88,7 +90,12 @@ export class PartLayer implements SceneLayer {
         raw.setIndex(new BufferAttribute(mesh.indices, 1));
         // CAD files repeat a vertex for every face: first make it one surface, then crease it where it is sharp.
         const welded = mergeVertices(raw, 1e-5);
-        this.edges = new LineSegments(new EdgesGeometry(welded, edgeDegrees), this.edgeMaterial);
+        const sharp = new EdgesGeometry(welded, edgeDegrees);
+        const lines = longLines(sharp.getAttribute("position").array as Float32Array, leastLine);
+        sharp.dispose();
+        const drawn = new BufferGeometry();
+        drawn.setAttribute("position", new BufferAttribute(lines, 3));
+        this.edges = new LineSegments(drawn, this.edgeMaterial);
         this.skin = new DrawnMesh(toCreasedNormals(welded, creaseRadians), this.skinMaterial);
         welded.dispose();
         raw.dispose();

@@ -100,6 +100,7 @@ export class SceneView {
             this.camera.setViewOffset(width, height, 0, covered / 2, width, height);
             if (!this.touched) this.goHome();
         }
+        for (const layer of this.layers) layer.fit?.(height);
         renderer.render(this.scene, this.camera);
     }
 

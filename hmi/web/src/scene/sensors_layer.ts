@@ -9,6 +9,7 @@ import { palette } from "./palette";
 import { matrixOf } from "./pose";
 import type { SceneLayer } from "./scene_layer";
 
+const leastLabelPx = 22;
 const depth = 0.45; // how far the drawn view reaches [m]
 
 function outline(sensor: SensorView): BufferGeometry {
@@ -39,11 +40,14 @@ export class SensorsLayer implements SceneLayer {
     private readonly illMaterial = new LineDashedMaterial({ color: palette.sensorAbnormal, dashSize: 0.04, gapSize: 0.03 });
     private labels: Label[] = [];
     private drawnKey = "";
+    private share: number;
 
     constructor(
         private readonly camera: PerspectiveCamera,
         private readonly labelShare: number,
-    ) {}
+    ) {
+        this.share = labelShare;
+    }
 
     update(state: ScreenState, changed: Changed): boolean {
         if (!changed.has("cell") && !changed.has("live") && !changed.has("now")) return false;
@@ -58,6 +62,13 @@ export class SensorsLayer implements SceneLayer {
         this.clear();
         sensors.forEach((sensor, i) => this.add(sensor, ill[i] === true));
         return true;
+    }
+
+    fit(heightPx: number): void {
+        const share = Math.max(this.labelShare, leastLabelPx / heightPx);
+        if (share === this.share) return;
+        this.share = share;
+        for (const label of this.labels) label.resize(share, this.camera.fov);
     }
 
     dispose(): void {
@@ -85,7 +96,7 @@ export class SensorsLayer implements SceneLayer {
         });
         label.sprite.position.setFromMatrixPosition(worldFromCamera);
         label.sprite.center.set(0.5, -0.35);
-        label.resize(this.labelShare, this.camera.fov);
+        label.resize(this.share, this.camera.fov);
         this.labels.push(label);
         this.object.add(lines, label.sprite);
     }

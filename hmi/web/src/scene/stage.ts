@@ -91,8 +91,8 @@ export class Stage {
             // What matters happens well inside the cell: its corners may leave the picture.
             const inner = new Box3(new Vector3(...box.min), new Vector3(...box.max));
             const size = inner.getSize(new Vector3());
-            inner.expandByVector(new Vector3(-0.16 * size.x, -0.12 * size.y, 0));
-            this.views.cell.frame(inner, new Vector3(1, -0.75, 0.42));
+            inner.expandByVector(new Vector3(-0.24 * size.x, -0.16 * size.y, -0.05 * size.z));
+            this.views.cell.frame(inner, new Vector3(1, -0.5, 0.4));
         }
         if (changed.has("view"))
             for (const name of ["part", "cell"] as const) this.views[name].active = name === state.view;
