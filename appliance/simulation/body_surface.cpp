@@ -35,7 +35,10 @@ Primitives body_primitives(const BodyDimensions& d) {
              0.88 * r.shoulder[0] + Eigen::Vector3d(0, -0.01, 0.12 * d.shoulder_height()), 0.058 * g,
              0.88 * r.shoulder[1] + Eigen::Vector3d(0, -0.01, 0.12 * d.shoulder_height()), 0.058 * g);
     add_cone(out, BodyBone::neck, r.neck - Eigen::Vector3d(0, 0, 0.02 * h), 0.062 * s, r.skull, 0.056 * s);
-    add_ellipsoid(out, BodyBone::head, {0, 0.008 * h, 0.938 * h}, {0.077 * s, 0.098 * s, 0.062 * h});
+    for (const Eigen::Vector3d& shoulder : r.shoulder)  // trapezius
+        add_cone(out, BodyBone::chest, r.neck + Eigen::Vector3d(0, -0.01 * s, -0.01 * h), 0.055 * g,
+                 0.8 * shoulder + Eigen::Vector3d(0, -0.012 * s, 0.2 * d.shoulder_height()), 0.052 * g);
+    add_ellipsoid(out, BodyBone::head, {0, 0.008 * h, 0.938 * h}, {0.078 * s, 0.098 * s, 0.062 * h});
     add_ellipsoid(out, BodyBone::head, {0, 0.032 * h, 0.898 * h}, {0.052 * s, 0.052 * s, 0.045 * s});
     add_cone(out, BodyBone::head, {0, 0.058 * h, 0.936 * h}, 0.010 * s, {0, 0.070 * h, 0.922 * h}, 0.014 * s);
     for (size_t side = 0; side < 2; ++side) {

@@ -50,24 +50,46 @@ void DepthView::overlay(DepthLayer& layer, const ViewedObject& object, const std
     for (const ViewedObject& other : below) others.emplace_back(other);
     // A hair short of the spot itself, which would otherwise shade itself.
     constexpr float before_spot = 1.0F - 1.5e-3F;
+    const auto shades = [&](const LocalRays& rays, size_t i) {
+        const Eigen::Vector3f spot = eye_ + layer.z[i] * ray_[i];
+        return rays.cast(projector_, spot - projector_, 0, before_spot).has_value();
+    };
+    std::vector<uint8_t> is_object(ray_.size(), 0);
+    float z_min = std::numeric_limits<float>::infinity();
     for (int v = box.v0; v < box.v1; ++v)
         for (int u = box.u0; u < box.u1; ++u) {
             const size_t i = static_cast<size_t>(v) * width() + u;
-            const auto shaded_by = [&](const LocalRays& rays) {
-                const Eigen::Vector3f spot = eye_ + layer.z[i] * ray_[i];
-                return rays.cast(projector_, spot - projector_, 0, before_spot).has_value();
-            };
             const auto hit = self.cast(eye_, ray_[i], nearest, layer.z[i]);
-            if (hit) {
-                layer.z[i] = hit->distance;
-                const Eigen::Vector3f normal = self.rotation.transpose() * hit->normal;
-                layer.cosine[i] = std::abs(normal.dot(ray_[i])) / ray_[i].norm();
-                layer.shaded[i] =
-                    shaded_by(self) || std::any_of(others.begin(), others.end(), shaded_by) ? 1 : 0;
-            } else if (layer.shaded[i] == 0 && std::isfinite(layer.z[i])) {
-                layer.shaded[i] = shaded_by(self) ? 1 : 0;
-            }
+            if (!hit) continue;
+            is_object[i] = 1;
+            layer.z[i] = hit->distance;
+            z_min = std::min(z_min, hit->distance);
+            layer.cosine[i] =
+                std::abs((self.rotation.transpose() * hit->normal).dot(ray_[i])) / ray_[i].norm();
+            layer.shaded[i] =
+                shades(self, i) || std::any_of(others.begin(), others.end(),
+                                               [&](const LocalRays& other) { return shades(other, i); });
         }
+    if (!std::isfinite(z_min)) return;
+    // Behind it: only pixels with the object within the shadow's reach to their right, a few rows up or down
+    // for the lens, or beyond the image's edge, can lie in its shadow.
+    const int reach = shadow_reach(z_min), rows = 3;
+    const int edge = baseline_ > 0 ? width() - 1 : 0, step = baseline_ > 0 ? -1 : 1;
+    for (int v = box.v0; v < box.v1; ++v) {
+        int since = reach + 1;
+        for (int u = baseline_ > 0 ? box.u1 - 1 : box.u0; u >= box.u0 && u < box.u1; u += step) {
+            for (int row = std::max(v - rows, box.v0); row <= std::min(v + rows, box.v1 - 1); ++row)
+                if (is_object[static_cast<size_t>(row) * width() + u] != 0) since = 0;
+            if (u == edge) since = 0;
+            const size_t i = static_cast<size_t>(v) * width() + u;
+            if (since++ <= reach && is_object[i] == 0 && layer.shaded[i] == 0 && std::isfinite(layer.z[i]))
+                layer.shaded[i] = shades(self, i) ? 1 : 0;
+        }
+    }
+}
+
+int DepthView::shadow_reach(double z) const {
+    return static_cast<int>(std::ceil(sensor_.camera.fx * std::abs(baseline_) / z)) + 2;
 }
 
 PixelBox DepthView::footprint(const std::vector<Eigen::Vector3f>& points,
@@ -98,7 +120,7 @@ PixelBox DepthView::footprint(const std::vector<Eigen::Vector3f>& points,
     if (outside) return {};
     // The shadow falls to the left, by the disparity of the nearest point at most (right for a projector at
     // left).
-    const int shadow = static_cast<int>(std::ceil(camera.fx * std::abs(baseline_) / z_min)) + 2;
+    const int shadow = shadow_reach(z_min);
     (baseline_ > 0 ? box.u0 : box.u1) += baseline_ > 0 ? -shadow : shadow;
     box.v0 -= 4;
     box.v1 += 4;

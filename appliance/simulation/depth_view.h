@@ -45,6 +45,9 @@ class DepthView {
     void overlay(DepthLayer& layer, const ViewedObject& object, const std::vector<ViewedObject>& below,
                  const PixelBox& box) const;
 
+    /// How far to the left of an object `z` metres away its shadow can fall [pixel].
+    int shadow_reach(double z) const;
+
     /// Pixels that `points` (world frame) or the shadow behind them can cover.
     PixelBox footprint(const std::vector<Eigen::Vector3f>& points,
                        const RigidTransform& world_from_points) const;

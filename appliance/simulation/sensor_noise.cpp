@@ -29,40 +29,33 @@ double axial_sigma(double z, double incidence) {
     return frontal + 0.0001 / std::sqrt(z) * incidence * incidence / (rest * rest);
 }
 
-namespace {
+SensorNoise::SensorNoise(const SensorNoiseParams& params) : params_(params) {
+    for (int i = 0; i < depths; ++i)
+        for (int j = 0; j < slants; ++j) {
+            const double z = 0.3 + 0.05 * i;
+            const double share = axial_sigma(z, std::acos((j + 0.5) / slants)) / (params.step * z * z);
+            // Rounding to whole steps adds 1/12 of a step squared by itself.
+            steps_[i][j] = static_cast<float>(std::sqrt(std::max(share * share - 1.0 / 12, 0.01)));
+        }
+}
 
-/// Standard deviation in disparity steps by depth and slant, so that no pixel needs an arc cosine.
-class StepNoise {
-  public:
-    explicit StepNoise(const SensorNoiseParams& p) : params_(p) {
-        for (int i = 0; i < depths; ++i)
-            for (int j = 0; j < slants; ++j) {
-                const double z = 0.3 + 0.05 * i;
-                const double share = axial_sigma(z, std::acos((j + 0.5) / slants)) / (p.step * z * z);
-                // Rounding to whole steps adds 1/12 of a step squared by itself.
-                table_[i][j] = static_cast<float>(std::sqrt(std::max(share * share - 1.0 / 12, 0.01)));
-            }
-    }
-    float at(float z, float cosine) const {
-        const int i = std::clamp(static_cast<int>((z - 0.275F) * 20), 0, depths - 1);
-        return table_[i][std::clamp(static_cast<int>(cosine * slants), 0, slants - 1)];
-    }
+double SensorNoise::steps_of_noise(float z, float cosine) const {
+    const int i = std::clamp(static_cast<int>((z - 0.275F) * 20), 0, depths - 1);
+    return steps_[i][std::clamp(static_cast<int>(cosine * slants), 0, slants - 1)];
+}
 
-  private:
-    static constexpr int depths = 128, slants = 64;
-    SensorNoiseParams params_;
-    std::array<std::array<float, slants>, depths> table_{};
-};
-
-}  // namespace
-
-void add_sensor_noise(const SensorNoiseParams& p, uint64_t seed, uint64_t frame, const DepthLayer& layer,
-                      int width, int height, DepthImage& out) {
+void SensorNoise::apply(uint64_t seed, uint64_t frame, const DepthLayer& layer, int width, int height,
+                        DepthImage& out) const {
+    const SensorNoiseParams& p = params_;
     const CounterRandom random(seed, 0x100000 + frame);
-    const StepNoise step_noise(p);
     const double jitter = p.edge_sigma * p.level, per_metre = 1 / p.step;
     const double steepest = std::cos((p.slant_limit - 3) * std::numbers::pi / 180);
-    const double limit = std::cos((p.slant_limit + 3) * std::numbers::pi / 180);
+    const double limit = std::cos(std::min(p.slant_limit + 3, 90.0) * std::numbers::pi / 180);
+    // Half up by truncation of a positive number: the library's rounding costs more than all the rest here.
+    constexpr int shift = 64;
+    const auto moved = [&](int at, double by, int size) {
+        return std::clamp(static_cast<int>(at + by + (shift + 0.5)) - shift, 0, size - 1);
+    };
     out.resize(width, height);
     for (int v = 0; v < height; ++v)
         for (int u = 0; u < width; ++u) {
@@ -70,22 +63,21 @@ void add_sensor_noise(const SensorNoiseParams& p, uint64_t seed, uint64_t frame,
             uint16_t& pixel = out.millimetres[at];
             pixel = 0;
             const uint64_t counter = 4 * at;
-            const int from_u = static_cast<int>(std::lround(u + jitter * random.normal(counter)));
-            const int from_v = static_cast<int>(std::lround(v + jitter * random.normal(counter + 1)));
-            const size_t i = static_cast<size_t>(std::clamp(from_v, 0, height - 1)) * width +
-                             std::clamp(from_u, 0, width - 1);
+            const int from_u = moved(u, jitter * random.normal(counter), width);
+            const int from_v = moved(v, jitter * random.normal(counter + 1), height);
+            const size_t i = static_cast<size_t>(from_v) * width + from_u;
             const float z = layer.z[i], cosine = layer.cosine[i];
             if (layer.shaded[i] != 0 || !(z >= p.nearest && z <= p.farthest)) continue;
             const double chance = random.uniform(counter + 2);
             if (chance < p.speckle * p.level) continue;
             if (cosine < steepest && cosine < limit + (steepest - limit) * chance) continue;
             const double noise =
-                p.level > 0 ? p.level * step_noise.at(z, cosine) * random.normal(counter + 3) : 0;
-            const double disparity = std::round(per_metre / z + noise);
+                p.level > 0 ? p.level * steps_of_noise(z, cosine) * random.normal(counter + 3) : 0;
+            const auto disparity = static_cast<int>(per_metre / z + noise + 0.5);
             if (disparity < 1) continue;
             const double seen = per_metre / disparity;
             if (seen < p.nearest || seen > p.farthest) continue;
-            pixel = static_cast<uint16_t>(std::lround(1000 * seen));
+            pixel = static_cast<uint16_t>(1000 * seen + 0.5);
         }
 }
 

@@ -2,6 +2,7 @@
 // pixel.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "appliance/simulation/depth_view.h"
@@ -24,11 +25,25 @@ struct SensorNoiseParams {
 /// Standard deviation along the axis [m] at depth z [m] and angle of incidence [rad] (Nguyen et al. 2012).
 double axial_sigma(double z, double incidence);
 
-/// Millimetres of `layer` as seen in frame `frame`: jittered at edges (so that pixels flip between near and
-/// far), axial noise in disparity so that it adds up with the rounding to `axial_sigma`, rounded to whole
-/// disparity steps, without return in shadow, at grazing angles, out of range and at random. Depends on
-/// (seed, frame, pixel) only.
-void add_sensor_noise(const SensorNoiseParams& params, uint64_t seed, uint64_t frame, const DepthLayer& layer,
-                      int width, int height, DepthImage& out);
+/// The noise of one sensor. Depends on (seed, frame, pixel) only.
+class SensorNoise {
+  public:
+    explicit SensorNoise(const SensorNoiseParams& params);
+
+    /// Millimetres of `layer` as seen in frame `frame`: jittered at edges (so that pixels flip between near
+    /// and far), axial noise in disparity so that it adds up with the rounding to `axial_sigma`, rounded to
+    /// whole disparity steps, without return in shadow, at grazing angles, out of range and at random.
+    void apply(uint64_t seed, uint64_t frame, const DepthLayer& layer, int width, int height,
+               DepthImage& out) const;
+
+    const SensorNoiseParams& params() const { return params_; }
+
+  private:
+    static constexpr int depths = 128, slants = 64;
+    double steps_of_noise(float z, float cosine) const;
+
+    SensorNoiseParams params_;
+    std::array<std::array<float, slants>, depths> steps_{};  ///< no pixel needs an arc cosine
+};
 
 }  // namespace deixis

@@ -9,6 +9,7 @@
 
 #include "appliance/simulation/body_surface.h"
 #include "appliance/simulation/cell_scenery.h"
+#include "appliance/simulation/clip_motion.h"
 #include "appliance/simulation/counter_random.h"
 #include "appliance/simulation/depth_view.h"
 #include "appliance/simulation/script_planner.h"
@@ -87,17 +88,19 @@ struct VirtualCell::Impl {
     Scenario scenario;
     uint64_t seed = 1;
     SensorRig rig;
-    SensorNoiseParams noise;
+    std::optional<SensorNoise> noise;
     CellScript script;
     SurfaceMesh load;  ///< part and trolley, trolley frame
     RayCaster scenery, part, load_caster;
     std::optional<BodySurface> body;
+    std::optional<ClipMotion> clip;  ///< replaces the script's motion
     std::vector<SensorState> sensors;
     Eigen::Vector3d part_middle = Eigen::Vector3d::Zero();  ///< part frame
     int64_t session_start_us = 0;
 
     Impl() = default;
 
+    Result<void> load_clip();
     Result<void> set_up(const Scenario& given, uint64_t with_seed, const SurfaceMesh& part_mesh);
     void set_up_sensors();
     bool shows_load(double time) const;
@@ -122,6 +125,7 @@ Result<void> VirtualCell::Impl::set_up(const Scenario& given, uint64_t with_seed
     auto planned = plan_script(scenario, seed, used, part);
     if (!planned) return tl::unexpected(planned.error());
     script = std::move(*planned);
+    if (auto loaded = load_clip(); !loaded) return loaded;
     if (scenario.seconds > 0) script.duration = scenario.seconds;
     if (scenario.part.present) {
         load = used;
@@ -139,9 +143,21 @@ Result<void> VirtualCell::Impl::set_up(const Scenario& given, uint64_t with_seed
     return {};
 }
 
+Result<void> VirtualCell::Impl::load_clip() {
+    const ScenarioWorker& worker = scenario.worker;
+    if (worker.clip.empty()) return {};
+    auto read = worker.skeleton.empty() ? read_bvh(worker.clip) : read_asf_amc(worker.skeleton, worker.clip);
+    if (!read) return tl::unexpected(read.error());
+    clip.emplace(script.dimensions, std::move(*read), script.worker.feet.end(), worker.clip_scale);
+    script.duration = clip->duration_s();
+    return {};
+}
+
 void VirtualCell::Impl::set_up_sensors() {
     DrawSequence draw(seed, 11);
-    noise.level = scenario.optics.noise.value_or(draw.uniform(0.8, 1.2));
+    SensorNoiseParams published;
+    published.level = scenario.optics.noise.value_or(draw.uniform(0.8, 1.2));
+    noise.emplace(published);
     session_start_us = static_cast<int64_t>(draw.uniform(200'000, 3'000'000));
     rig.cell = scenario.cell;
     rig.pointing_axis = scenario.pointing_axis;
@@ -174,8 +190,9 @@ bool VirtualCell::Impl::in_cell(double time) const {
 }
 
 BodyPlaces VirtualCell::Impl::places(double time) const {
-    return place_body(script.dimensions,
-                      posture_at(script.dimensions, script.worker, script.surroundings(time), time));
+    const BodyDimensions& d = script.dimensions;
+    return place_body(d,
+                      clip ? clip->at(time) : posture_at(d, script.worker, script.surroundings(time), time));
 }
 
 void VirtualCell::Impl::cast(SensorState& s, double time) {
@@ -251,8 +268,8 @@ void VirtualCell::render(size_t sensor, int64_t frame, DepthFrame& out) {
     SensorState& s = impl_->sensors[sensor];
     const FrameTiming when = timing(sensor, frame);
     impl_->cast(s, when.time_s);
-    add_sensor_noise(impl_->noise, impl_->seed * 64 + sensor, static_cast<uint64_t>(frame), s.whole,
-                     s.view.width(), s.view.height(), out.depth);
+    impl_->noise->apply(impl_->seed * 64 + sensor, static_cast<uint64_t>(frame), s.whole, s.view.width(),
+                        s.view.height(), out.depth);
     out.present = true;
     out.timestamp_us = when.timestamp_us;
     out.host_us = when.host_us;
@@ -272,9 +289,8 @@ DepthImage VirtualCell::background(size_t sensor) {
     const SensorState& s = impl_->sensors[sensor];
     std::array<DepthImage, background_count> frames;
     for (int i = 0; i < background_count; ++i)
-        add_sensor_noise(impl_->noise, impl_->seed * 64 + sensor,
-                         background_frames + static_cast<uint64_t>(i), s.empty_cell, s.view.width(),
-                         s.view.height(), frames[i]);
+        impl_->noise->apply(impl_->seed * 64 + sensor, background_frames + static_cast<uint64_t>(i),
+                            s.empty_cell, s.view.width(), s.view.height(), frames[i]);
     DepthImage middle = frames[0];
     std::vector<uint16_t> seen;
     for (size_t p = 0; p < middle.millimetres.size(); ++p) {
@@ -311,7 +327,7 @@ std::string VirtualCell::description() const {
     const auto meant = std::count_if(s.gestures.begin(), s.gestures.end(),
                                      [](const HeldGesture& g) { return g.pointing.meant; });
     out << ", " << meant << " meant gestures, " << static_cast<long>(s.gestures.size()) - meant
-        << " traps, noise " << impl_->noise.level;
+        << " traps, noise " << impl_->noise->params().level;
     return out.str();
 }
 
