@@ -20,7 +20,7 @@ import { palette } from "./palette";
 import { matrixOf } from "./pose";
 import type { SceneLayer } from "./scene_layer";
 
-const creaseRadians = (35 * Math.PI) / 180;
+const creaseRadians = (50 * Math.PI) / 180;
 const edgeDegrees = 40;
 const leastLine = 0.1; // shorter lines are the mesh's own, not the part's [m]
 

@@ -10,7 +10,7 @@ export class SceneView {
     private readonly scene = new Scene();
     private readonly controls: OrbitControls;
     private readonly layers: SceneLayer[] = [];
-    private home: { bounds: Box3; towards: Vector3 } | null = null;
+    private home: { bounds: Box3; towards: Vector3; margin: number } | null = null;
     private touched = false;
     private shape = "";
     private free = 1; // share of the picture's height that nothing covers
@@ -41,16 +41,19 @@ export class SceneView {
         this.controls.enabled = active;
     }
 
-    /** Frames `bounds`, seen from the direction `towards` (from the middle to the viewer); a hand on it keeps its view. */
-    frame(bounds: Box3, towards: Vector3): void {
-        this.home = { bounds, towards };
+    /**
+     * Frames `bounds`, seen from the direction `towards` (from the middle to the viewer) and from `margin` times the
+     * distance at which all of it is just in the picture; a hand on it keeps its view.
+     */
+    frame(bounds: Box3, towards: Vector3, margin: number): void {
+        this.home = { bounds, towards, margin };
         if (!this.touched) this.goHome();
     }
 
     goHome(): void {
         this.touched = false;
         if (this.home === null) return;
-        const { bounds, towards } = this.home;
+        const { bounds, towards, margin } = this.home;
         const middle = bounds.getCenter(new Vector3());
         const direction = towards.clone().normalize();
         const right = new Vector3().crossVectors(this.camera.up, direction).normalize();
@@ -71,7 +74,7 @@ export class SceneView {
                 near + Math.abs(p.dot(above)) / (halfHeight * this.free),
             );
         }
-        this.camera.position.copy(middle).addScaledVector(direction, distance * 1.08);
+        this.camera.position.copy(middle).addScaledVector(direction, distance * margin);
         this.controls.target.copy(middle);
         this.controls.minDistance = distance * 0.15;
         this.controls.maxDistance = distance * 3;

@@ -5,6 +5,7 @@ import type { Changed, ScreenState, StateKey, Store, ViewName } from "../store";
 import { FloorLayer } from "./floor_layer";
 import { extentOf, frontDirection } from "./front_side";
 import { MarksLayer } from "./marks_layer";
+import { Pace } from "./pace";
 import { PartLayer } from "./part_layer";
 import { PointingLayer } from "./pointing_layer";
 import { SceneView } from "./scene_view";
@@ -14,6 +15,8 @@ import { WorkerLayer } from "./worker_layer";
 const followed: readonly StateKey[] = [
     "live", "now", "link", "mesh", "cell", "marks", "arrivals", "voxels", "selectedMark", "view",
 ];
+const drawingShare = 0.4;
+const longestPauseMs = 400;
 const pickShare = 0.04; // how near a tap must be to a dot, of the picture's height
 const other: Readonly<Record<ViewName, ViewName>> = { part: "cell", cell: "part" };
 
@@ -23,6 +26,9 @@ export class Stage {
     private readonly partMarks: Readonly<Record<ViewName, MarksLayer>>;
     private readonly sizes: ResizeObserver;
     private readonly unwatch: () => void;
+    private readonly pace = new Pace(drawingShare, longestPauseMs);
+    private readonly pixel = new Uint8Array(4);
+    private waiting = 0;
     private scheduled = 0;
 
     /** Draws into `container`; `inset` is the element over which the other view is drawn. Throws without WebGL. */
@@ -71,6 +77,7 @@ export class Stage {
     dispose(): void {
         this.unwatch();
         this.sizes.disconnect();
+        window.clearTimeout(this.waiting);
         cancelAnimationFrame(this.scheduled);
         this.views.part.dispose();
         this.views.cell.dispose();
@@ -84,7 +91,7 @@ export class Stage {
             const extent = extentOf(state.mesh);
             const front = new Vector3(...frontDirection(state.mesh));
             front.z = 0.28; // a standing person looks down at it
-            this.views.part.frame(new Box3(new Vector3(...extent.min), new Vector3(...extent.max)), front);
+            this.views.part.frame(new Box3(new Vector3(...extent.min), new Vector3(...extent.max)), front, 1.08);
         }
         if (changed.has("cell")) {
             const box = state.cell?.box ?? { min: [-2, -1.5, 0] as const, max: [2, 1.5, 2.2] as const };
@@ -92,7 +99,7 @@ export class Stage {
             const inner = new Box3(new Vector3(...box.min), new Vector3(...box.max));
             const size = inner.getSize(new Vector3());
             inner.expandByVector(new Vector3(-0.24 * size.x, -0.16 * size.y, -0.05 * size.z));
-            this.views.cell.frame(inner, new Vector3(1, -0.5, 0.4));
+            this.views.cell.frame(inner, new Vector3(1, -0.5, 0.4), 0.86);
         }
         if (changed.has("view"))
             for (const name of ["part", "cell"] as const) this.views[name].active = name === state.view;
@@ -114,7 +121,16 @@ export class Stage {
     }
 
     private schedule(): void {
-        if (this.scheduled === 0) this.scheduled = requestAnimationFrame((now) => this.render(now));
+        if (this.scheduled !== 0 || this.waiting !== 0) return;
+        const wait = this.pace.wait(performance.now());
+        if (wait === 0) {
+            this.scheduled = requestAnimationFrame((now) => this.render(now));
+            return;
+        }
+        this.waiting = window.setTimeout(() => {
+            this.waiting = 0;
+            this.schedule();
+        }, wait);
     }
 
     private render(now: number): void {
@@ -122,12 +138,17 @@ export class Stage {
         const whole = this.container.getBoundingClientRect();
         const corner = this.inset.getBoundingClientRect();
         if (whole.width === 0 || whole.height === 0) return;
+        const begin = performance.now();
         const { view } = this.store.state;
         let moving = this.views[view].animate(now);
         moving = this.views[other[view]].animate(now) || moving;
         const covered = view === "part" ? whole.bottom - corner.top : 0;
         this.draw(view, 0, 0, whole.width, whole.height, covered);
         this.draw(other[view], corner.left - whole.left, whole.bottom - corner.bottom, corner.width, corner.height, 0);
+        // Reading a pixel back waits until all is drawn: only so the cost is known where the processor draws.
+        const context = this.renderer.getContext();
+        context.readPixels(0, 0, 1, 1, context.RGBA, context.UNSIGNED_BYTE, this.pixel);
+        this.pace.drawn(begin, performance.now());
         if (moving) this.schedule();
     }
 
