@@ -12,7 +12,7 @@ import { launch, openPage, pictureArea, redPixels, until } from "./chromium.mjs"
 const program = process.env.DEIXIS;
 const session = process.env.DEIXIS_SESSION;
 const webRoot = process.env.DEIXIS_WEB;
-const picture = process.env.SCREEN_PICTURE; // where to keep the last look, when wanted
+const picture = process.env.SCREEN_PICTURE; // where to keep the last look at someone pointing, when wanted
 
 /** Starts the station on the session, on any free port, with a fresh record; resolves with the screen's address. */
 async function startStation(folder) {
@@ -61,9 +61,14 @@ test("during a replay a red dot appears on the part", { timeout: 600_000 }, asyn
     assert.ok(marks.length >= 1);
     const dot = await until(() => redPixels(page, area), ({ count }) => count > 300);
     assert.ok(dot.count > 300, `${dot.count} red pixels on the part`);
-    if (picture !== undefined) await page.screenshot({ path: picture });
 
-    await page.locator("#headline h1", { hasText: "End of the recording" }).waitFor({ timeout: 300_000 });
+    const title = () => page.locator("#headline h1").innerText();
+    const ended = async () => {
+        const now = await title();
+        if (picture !== undefined && now === "Pointing") await page.screenshot({ path: picture });
+        return now;
+    };
+    assert.equal(await until(ended, (now) => now === "End of the recording", 300), "End of the recording");
     const all = await (await fetch(`${station.address}/api/marks`)).json();
     const shown = await until(() => page.locator("[data-mark]").count(), (count) => count === all.length);
     assert.equal(shown, all.length, "every mark of the record is in the list");

@@ -5,6 +5,12 @@ import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { Changed, ScreenState } from "../store";
 import type { SceneLayer } from "./scene_layer";
 
+/** What other things hide of a picture, from its edges [pixel]. */
+export interface Covered {
+    readonly left: number;
+    readonly bottom: number;
+}
+
 export class SceneView {
     readonly camera = new PerspectiveCamera(30, 1, 0.05, 60);
     private readonly scene = new Scene();
@@ -13,7 +19,8 @@ export class SceneView {
     private home: { bounds: Box3; towards: Vector3; margin: number } | null = null;
     private touched = false;
     private shape = "";
-    private free = 1; // share of the picture's height that nothing covers
+    private freeWidth = 1; // shares of the picture that nothing covers
+    private freeHeight = 1;
 
     constructor(canvas: HTMLCanvasElement, onMove: () => void) {
         this.camera.up.set(0, 0, 1);
@@ -70,8 +77,8 @@ export class SceneView {
             const near = p.dot(direction);
             distance = Math.max(
                 distance,
-                near + Math.abs(p.dot(right)) / halfWidth,
-                near + Math.abs(p.dot(above)) / (halfHeight * this.free),
+                near + Math.abs(p.dot(right)) / (halfWidth * this.freeWidth),
+                near + Math.abs(p.dot(above)) / (halfHeight * this.freeHeight),
             );
         }
         this.camera.position.copy(middle).addScaledVector(direction, distance * margin);
@@ -93,14 +100,15 @@ export class SceneView {
         return moving;
     }
 
-    /** Draws `width` x `height` pixels; the middle of the home view stands in what the lowest `covered` leave free. */
-    render(renderer: WebGLRenderer, width: number, height: number, covered: number): void {
-        const shape = `${width} ${height} ${covered}`;
+    /** Draws `width` x `height` pixels; the home view stands in the middle of what `covered` leaves free. */
+    render(renderer: WebGLRenderer, width: number, height: number, covered: Covered): void {
+        const shape = `${width} ${height} ${covered.left} ${covered.bottom}`;
         if (shape !== this.shape) {
             this.shape = shape;
-            this.free = 1 - covered / height;
+            this.freeWidth = 1 - covered.left / width;
+            this.freeHeight = 1 - covered.bottom / height;
             this.camera.aspect = width / height;
-            this.camera.setViewOffset(width, height, 0, covered / 2, width, height);
+            this.camera.setViewOffset(width, height, -covered.left / 2, covered.bottom / 2, width, height);
             if (!this.touched) this.goHome();
         }
         for (const layer of this.layers) layer.fit?.(height);

@@ -8,15 +8,18 @@ import { MarksLayer } from "./marks_layer";
 import { Pace } from "./pace";
 import { PartLayer } from "./part_layer";
 import { PointingLayer } from "./pointing_layer";
-import { SceneView } from "./scene_view";
+import { type Covered, SceneView } from "./scene_view";
 import { SensorsLayer } from "./sensors_layer";
 import { WorkerLayer } from "./worker_layer";
 
 const followed: readonly StateKey[] = [
     "live", "now", "link", "mesh", "cell", "marks", "arrivals", "voxels", "selectedMark", "view",
 ];
+const nothing: Covered = { left: 0, bottom: 0 };
 const drawingShare = 0.4;
 const longestPauseMs = 400;
+const longestDrawingMs = 2000;
+const lookAgainMs = 4;
 const pickShare = 0.04; // how near a tap must be to a dot, of the picture's height
 const other: Readonly<Record<ViewName, ViewName>> = { part: "cell", cell: "part" };
 
@@ -27,8 +30,9 @@ export class Stage {
     private readonly sizes: ResizeObserver;
     private readonly unwatch: () => void;
     private readonly pace = new Pace(drawingShare, longestPauseMs);
-    private readonly pixel = new Uint8Array(4);
-    private waiting = 0;
+    private waiting = 0; // the timer of a pause or of a picture being drawn
+    private moving = false;
+    private missed = false; // something changed while waiting
     private scheduled = 0;
 
     /** Draws into `container`; `inset` is the element over which the other view is drawn. Throws without WebGL. */
@@ -121,6 +125,7 @@ export class Stage {
     }
 
     private schedule(): void {
+        this.missed = true;
         if (this.scheduled !== 0 || this.waiting !== 0) return;
         const wait = this.pace.wait(performance.now());
         if (wait === 0) {
@@ -142,17 +147,38 @@ export class Stage {
         const { view } = this.store.state;
         let moving = this.views[view].animate(now);
         moving = this.views[other[view]].animate(now) || moving;
-        const covered = view === "part" ? whole.bottom - corner.top : 0;
+        // A part is wide and has room above the inset, a cell is high and has room beside it.
+        const covered =
+            view === "part"
+                ? { left: 0, bottom: whole.bottom - corner.top }
+                : { left: (corner.right - whole.left) * 0.8, bottom: 0 };
         this.draw(view, 0, 0, whole.width, whole.height, covered);
-        this.draw(other[view], corner.left - whole.left, whole.bottom - corner.bottom, corner.width, corner.height, 0);
-        // Reading a pixel back waits until all is drawn: only so the cost is known where the processor draws.
-        const context = this.renderer.getContext();
-        context.readPixels(0, 0, 1, 1, context.RGBA, context.UNSIGNED_BYTE, this.pixel);
-        this.pace.drawn(begin, performance.now());
-        if (moving) this.schedule();
+        this.draw(other[view], corner.left - whole.left, whole.bottom - corner.bottom, corner.width, corner.height, nothing);
+        this.moving = moving;
+        this.watchDrawing(begin);
     }
 
-    private draw(name: ViewName, x: number, y: number, width: number, height: number, covered: number): void {
+    /** Drawing goes on behind our back, slowly where the processor does it: no new picture before this one is done. */
+    private watchDrawing(begin: number): void {
+        const context = this.renderer.getContext() as WebGL2RenderingContext;
+        const fence = context.fenceSync(context.SYNC_GPU_COMMANDS_COMPLETE, 0);
+        context.flush();
+        const look = () => {
+            const done = fence === null || context.getSyncParameter(fence, context.SYNC_STATUS) === context.SIGNALED;
+            if (!done && performance.now() - begin < longestDrawingMs && !context.isContextLost()) {
+                this.waiting = window.setTimeout(look, lookAgainMs);
+                return;
+            }
+            if (fence !== null) context.deleteSync(fence);
+            this.pace.drawn(begin, performance.now());
+            this.waiting = 0;
+            if (this.moving || this.missed) this.schedule();
+        };
+        this.missed = false;
+        this.waiting = window.setTimeout(look, lookAgainMs);
+    }
+
+    private draw(name: ViewName, x: number, y: number, width: number, height: number, covered: Covered): void {
         this.renderer.setViewport(x, y, width, height);
         this.renderer.setScissor(x, y, width, height);
         this.renderer.clear();
