@@ -64,10 +64,12 @@ Result<LiveRecording> LiveRecording::start(const SensorRig& rig, const LiveRecor
         if (host_now_us() > deadline) break;
         wait_for_bell(recording.sensors_, milliseconds(20));
     }
+    std::string absent;
     for (const SupervisedSensor& sensor : recording.sensors_)
         if (!sensor.is_running())
-            return fail("sensor \"" + sensor.spec().name + "\" is " + name_of(sensor.health().state) + ": " +
-                        sensor.health().reason);
+            absent += (absent.empty() ? "sensor \"" : "; sensor \"") + sensor.spec().name + "\" is " +
+                      name_of(sensor.health().state) + ": " + sensor.health().reason;
+    if (!absent.empty()) return fail(absent);
     return fail("the sensors did not run together for a second");
 }
 

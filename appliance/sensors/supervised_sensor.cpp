@@ -30,7 +30,7 @@ std::string seconds(int64_t us) {
 SupervisedSensor::SupervisedSensor(SensorSpec spec, const FrameSourceParams& params)
     : spec_(std::move(spec)), params_(params) {
     health_.name = spec_.name;
-    reason_ = "starting";
+    reason_ = "its first frame has not come yet";
     publish_health();
 }
 SupervisedSensor::~SupervisedSensor() = default;

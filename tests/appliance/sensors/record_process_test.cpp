@@ -168,7 +168,7 @@ TEST_F(RecordProcess, GoesOnWithTheOtherWhenOneIsPulled) {
 
 TEST_F(RecordProcess, SaysWhichSensorDoesNotComeUpAndLeavesNothing) {
     stage_.set("right", "unplugged");
-    start({"--wait", "2"});
+    start({"--wait", "5"});
     EXPECT_EQ(end(), "ended with code 1");
     EXPECT_THAT(text_of(complained_in()), HasSubstr("sensor \"right\" is missing: virtual://right: "));
     EXPECT_FALSE(std::filesystem::exists(out_));
