@@ -13,6 +13,13 @@ namespace {
 
 constexpr int64_t largest_int = std::numeric_limits<int>::max();
 
+/// What came out of a file may hold anything; a sentence is one line.
+std::string one_line(std::string text) {
+    for (char& c : text)
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+    return text;
+}
+
 std::string shown(const toml::node& node) {
     std::ostringstream text;
     node.visit([&](const auto& value) {
@@ -25,7 +32,7 @@ std::string shown(const toml::node& node) {
     });
     std::string s = text.str();
     if (s.size() > 60) s = s.substr(0, 57) + "...";
-    return s;
+    return one_line(std::move(s));
 }
 
 /// Stores the node; false when its type or size does not fit.
@@ -82,7 +89,7 @@ Result<void> apply_section(const SettingSection& section, const toml::table& val
         const auto field = std::find_if(section.fields.begin(), section.fields.end(),
                                         [&](const SettingField& f) { return f.key == name; });
         if (field == section.fields.end()) {
-            warnings.push_back(file + ": unknown key " + section.name + "." + name + " is ignored");
+            warnings.push_back(one_line(file + ": unknown key " + section.name + "." + name + " is ignored"));
             continue;
         }
         const toml::node& value = node;
@@ -127,14 +134,14 @@ Result<void> apply_settings(const SettingsTable& table, std::string_view text, c
         root = toml::parse(text);
     } catch (const toml::parse_error& error) {
         return fail(file + ": line " + std::to_string(error.source().begin.line) +
-                    " is not TOML: " + std::string(error.description()));
+                    " is not TOML: " + one_line(std::string(error.description())));
     }
     for (const auto& [key, node] : root) {
         const std::string name(key.str());
         const auto section =
             std::find_if(table.begin(), table.end(), [&](const SettingSection& s) { return s.name == name; });
         if (section == table.end()) {
-            warnings.push_back(file + ": unknown section " + name + " is ignored");
+            warnings.push_back(one_line(file + ": unknown section " + name + " is ignored"));
             continue;
         }
         if (!node.is_table())
@@ -146,7 +153,8 @@ Result<void> apply_settings(const SettingsTable& table, std::string_view text, c
         const InvalidSettings complaints = section.validate();
         if (complaints.empty()) continue;
         const InvalidSetting& c = complaints.front();
-        return fail(file + ": " + section.name + "." + c.key + " is " + c.value + ", allowed is " + c.range);
+        return fail(one_line(file + ": " + section.name + "." + c.key + " is " + c.value + ", allowed is " +
+                             c.range));
     }
     return {};
 }

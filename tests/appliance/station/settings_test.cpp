@@ -83,6 +83,8 @@ INSTANTIATE_TEST_SUITE_P(
         BadSettings{"[gesture]\ndwell_s = ", "s.toml: line 2 is not TOML: "},
         BadSettings{"[gesture]\ndwell_s = 1.0\ndwell_s = 2.0", "s.toml: line 3 is not TOML: "},
         BadSettings{"\xff\xfe\x01", "s.toml: line 1 is not TOML: "},
+        BadSettings{"[part]\na = i\nb = 1", "s.toml: line 2 is not TOML: "},
+        BadSettings{"[plc]\nmode = \"a\\nb\"", "s.toml: plc.mode is "},
         BadSettings{"gesture = 3", "s.toml: gesture is 3, expected a section [gesture]"},
         BadSettings{"[[gesture]]\ndwell_s = 1.0",
                     "s.toml: gesture is an array, expected a section [gesture]"},
