@@ -13,9 +13,9 @@ constexpr double kSliceLength = 0.03;  // [m]
 constexpr size_t kSlices = 32;         // around the middle of the piece
 constexpr int kFewestInSlice = 4;
 constexpr double kThickestRadius = 0.07;  // of a forearm in a sleeve [m]
-constexpr double kTipReach = 0.05;        // points this near to the axis can be the finger [m]
-constexpr double kTipGap = 0.05;          // a longer gap along the axis ends the hand [m]
-constexpr size_t kTipRank = 2;            // the points beyond the fingertip are noise
+constexpr float kTipReach = 0.05F;        // points this near to the axis can be the finger [m]
+constexpr float kTipGap = 0.05F;          // a longer gap along the axis ends the hand [m]
+constexpr size_t kTipRank = 6;            // the points beyond the fingertip are noise
 constexpr double kHeadShell = 0.05;       // from the seen side of a head to its middle [m]
 
 Eigen::Vector3d mean_of_voxels(const Limb& limb, const VoxelLattice& lattice, double from, double to) {
@@ -49,6 +49,7 @@ ArmFinder::ArmFinder(const std::vector<CalibratedSensor>& depth_sensors, Params 
 }
 
 const std::vector<ArmCluster>& ArmFinder::update(const WorkerBody& worker, const SurfacePoints& points,
+                                                 std::span<const uint8_t> part_points,
                                                  const std::vector<Limb>& limbs,
                                                  const Eigen::Vector3d& forward) {
     arms_.clear();
@@ -58,7 +59,7 @@ const std::vector<ArmCluster>& ArmFinder::update(const WorkerBody& worker, const
     constexpr size_t kArms = 2;
     for (const Limb& limb : limbs) {
         if (arms_.size() == kArms) break;
-        if (auto arm = examine(limb, worker, points, forward)) arms_.push_back(*arm);
+        if (auto arm = examine(limb, worker, points, part_points, forward)) arms_.push_back(*arm);
     }
     return arms_;
 }
@@ -79,12 +80,18 @@ Eigen::Vector3d ArmFinder::head_centre(const WorkerBody& worker, const SurfacePo
 }
 
 std::optional<ArmCluster> ArmFinder::examine(const Limb& limb, const WorkerBody& worker,
-                                             const SurfacePoints& points, const Eigen::Vector3d& forward) {
+                                             const SurfacePoints& points,
+                                             std::span<const uint8_t> part_points,
+                                             const Eigen::Vector3d& forward) {
     if (limb.length < params_.min_length_m) return std::nullopt;
     if (worker.lattice.centre(limb.tip).z() < params_.min_tip_height_m) return std::nullopt;
     ArmCluster arm;
     arm.length = limb.length;
-    if (!fit(limb, worker, points, arm)) return std::nullopt;
+    const auto line = fit(limb, worker, points);
+    if (!line) return std::nullopt;
+    arm.axis = line->direction;
+    arm.width = width_around(*line, points);
+    arm.tip = find_tip(*line, points, part_points);
     if (arm.width > params_.max_width_m || arm.axis.z() < -params_.steepest_down) return std::nullopt;
 
     Eigen::Vector3d middle = (head_ + worker.middle.cast<double>()) / 2;
@@ -104,8 +111,8 @@ std::optional<ArmCluster> ArmFinder::examine(const Limb& limb, const WorkerBody&
     return arm;
 }
 
-bool ArmFinder::fit(const Limb& limb, const WorkerBody& worker, const SurfacePoints& points,
-                    ArmCluster& arm) {
+std::optional<FittedLine> ArmFinder::fit(const Limb& limb, const WorkerBody& worker,
+                                         const SurfacePoints& points) {
     const double piece = params_.forearm_of_height * std::max(worker.height, 1.2F);
     for (size_t k = 0; k < limb.voxels.size(); ++k)
         if (limb.to_tip[k] <= piece) in_limb_[limb.voxels[k]] = 1;
@@ -116,20 +123,15 @@ bool ArmFinder::fit(const Limb& limb, const WorkerBody& worker, const SurfacePoi
     }
     for (const uint32_t v : limb.voxels) in_limb_[v] = 0;
     constexpr size_t kFewestPoints = 40;
-    if (limb_points_.size() < kFewestPoints) return false;
+    if (limb_points_.size() < kFewestPoints) return std::nullopt;
 
     const Eigen::Vector3d end = mean_of_voxels(limb, worker.lattice, 0, 0.08);
     const Eigen::Vector3d start = mean_of_voxels(limb, worker.lattice, piece - 0.1, piece);
-    if ((end - start).norm() < 0.05) return false;
-    FittedLine line{(end + start) / 2, (end - start).normalized()};
+    if ((end - start).norm() < 0.05) return std::nullopt;
+    std::optional<FittedLine> line = FittedLine{(end + start) / 2, (end - start).normalized()};
     constexpr int kRounds = 3;
-    for (int round = 0; round < kRounds; ++round) {
-        const auto better = regress(line, points);
-        if (!better) return false;
-        line = *better;
-    }
-    measure(line, worker, points, arm);
-    return true;
+    for (int round = 0; round < kRounds && line; ++round) line = regress(*line, points);
+    return line;
 }
 
 /// One round of eq. 5.3 along the line of the round before. Each slice across the arm gives one point a
@@ -175,27 +177,32 @@ std::optional<FittedLine> ArmFinder::regress(const FittedLine& line, const Surfa
     return fit_along(centres_, weights_, fitted->direction);
 }
 
-void ArmFinder::measure(const FittedLine& line, const WorkerBody& worker, const SurfacePoints& points,
-                        ArmCluster& arm) {
+double ArmFinder::width_around(const FittedLine& line, const SurfacePoints& points) const {
     double off2 = 0;
     for (const uint32_t i : limb_points_)
         off2 += (points.positions[i].cast<double>() - line.point).cross(line.direction).squaredNorm();
-    arm.width = 2 * std::sqrt(off2 / static_cast<double>(limb_points_.size()));
-    arm.axis = line.direction;
+    return 2 * std::sqrt(off2 / static_cast<double>(limb_points_.size()));
+}
 
+/// The last of the foreground along the axis without a gap, the part's own points left out. Not only of the
+/// limb's voxels: a finger has few points, and near the part its voxels are the part's.
+Eigen::Vector3d ArmFinder::find_tip(const FittedLine& line, const SurfacePoints& points,
+                                    std::span<const uint8_t> part_points) {
+    const bool part_known = part_points.size() == points.size();
+    const Eigen::Vector3f origin = line.point.cast<float>(), direction = line.direction.cast<float>();
     along_.clear();
-    for (const uint32_t i : worker.points) {
-        const Eigen::Vector3d from = points.positions[i].cast<double>() - line.point;
-        const double t = from.dot(line.direction);
-        if (t > -0.1 && t < 0.5 && from.squaredNorm() - t * t < kTipReach * kTipReach) along_.push_back(t);
+    for (size_t i = 0; i < points.size(); ++i) {
+        if (!points.foreground[i] || (part_known && part_points[i] != 0)) continue;
+        const Eigen::Vector3f from = points.positions[i] - origin;
+        const float t = from.dot(direction);
+        if (t > -0.05F && t < 0.5F && from.squaredNorm() - t * t < kTipReach * kTipReach) along_.push_back(t);
     }
     std::sort(along_.begin(), along_.end());
-    double tip = 0;
     size_t end = 0;
     while (end < along_.size() && (along_[end] < 0 || end == 0 || along_[end] - along_[end - 1] < kTipGap))
         ++end;
-    if (end > kTipRank) tip = along_[end - 1 - kTipRank];
-    arm.tip = line.point + std::max(tip, 0.0) * line.direction;
+    const float tip = end > kTipRank ? std::max(along_[end - 1 - kTipRank], 0.0F) : 0.0F;
+    return line.point + static_cast<double>(tip) * line.direction;
 }
 
 }  // namespace deixis

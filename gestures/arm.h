@@ -3,7 +3,9 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "gestures/limbs.h"
@@ -47,9 +49,10 @@ class ArmFinder {
     /// The sensors say from where each surface point was seen: only the near side of an arm is seen.
     ArmFinder(const std::vector<CalibratedSensor>& depth_sensors, Params params);
 
-    /// `forward` is the horizontal unit direction that the worker faces, from him to the part; his left and
-    /// right follow from it. At most two arms, longest first.
+    /// `part_points` as given to WorkerVolume. `forward` is the horizontal unit direction that the worker
+    /// faces, from him to the part; his left and right follow from it. At most two arms, longest first.
     const std::vector<ArmCluster>& update(const WorkerBody& worker, const SurfacePoints& points,
+                                          std::span<const uint8_t> part_points,
                                           const std::vector<Limb>& limbs, const Eigen::Vector3d& forward);
 
     const std::vector<ArmCluster>& arms() const { return arms_; }
@@ -64,11 +67,12 @@ class ArmFinder {
     };
 
     std::optional<ArmCluster> examine(const Limb& limb, const WorkerBody& worker, const SurfacePoints& points,
-                                      const Eigen::Vector3d& forward);
-    bool fit(const Limb& limb, const WorkerBody& worker, const SurfacePoints& points, ArmCluster& arm);
+                                      std::span<const uint8_t> part_points, const Eigen::Vector3d& forward);
+    std::optional<FittedLine> fit(const Limb& limb, const WorkerBody& worker, const SurfacePoints& points);
     std::optional<FittedLine> regress(const FittedLine& line, const SurfacePoints& points);
-    void measure(const FittedLine& line, const WorkerBody& worker, const SurfacePoints& points,
-                 ArmCluster& arm);
+    double width_around(const FittedLine& line, const SurfacePoints& points) const;
+    Eigen::Vector3d find_tip(const FittedLine& line, const SurfacePoints& points,
+                             std::span<const uint8_t> part_points);
     Eigen::Vector3d head_centre(const WorkerBody& worker, const SurfacePoints& points) const;
 
     Params params_;
@@ -79,7 +83,7 @@ class ArmFinder {
     std::vector<SliceSum> slices_;          ///< slice by slice, a sensor each
     std::vector<Eigen::Vector3d> centres_;  ///< of the slices, inside the arm
     std::vector<double> weights_;
-    std::vector<double> along_;
+    std::vector<float> along_;
     Eigen::Vector3d head_ = Eigen::Vector3d::Zero();
 };
 

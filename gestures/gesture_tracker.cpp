@@ -37,6 +37,7 @@ GestureTracker::Params with_settings(GestureTracker::Params params) {
 InvalidSettings GestureTracker::Params::validate() const {
     const Params whole = with_settings(*this);
     InvalidSettings complaints = whole.limbs.validate();
+    require_range(complaints, "reach_out_m", whole.reach_out_m, 0, 1);
     for (const InvalidSettings& more :
          {whole.arms.validate(), whole.pointing.validate(), whole.stillness.validate()})
         complaints.insert(complaints.end(), more.begin(), more.end());
@@ -88,7 +89,7 @@ void GestureTracker::follow(const GestureInput& input) {
         return;
     }
     const std::vector<ArmCluster>& arms =
-        arms_.update(input.worker, input.points, limbs_.update(input.worker), *forward);
+        arms_.update(input.worker, input.points, input.part_points, limbs_.update(input.worker), *forward);
     // The closest pair of arm and track first; an arm that is near to none takes a track that rests.
     std::vector<uint8_t> arm_taken(arms.size(), 0);
     std::vector<uint8_t> track_taken(tracks_.size(), 0);
@@ -121,6 +122,10 @@ void GestureTracker::aim(const GestureInput& input, const ArmCluster& arm, Track
     const auto meant = spot_on_part(*input.part_surface, *input.world_from_part, ray.origin, ray.direction,
                                     params_.pointing);
     if (!meant) return;
+    // A hanging hand beside the part aims at it too, but does not reach out to it.
+    const Eigen::Vector3d middle = input.worker.middle.cast<double>();
+    const auto to_spot = horizontal(*input.world_from_part * meant->spot.position - middle);
+    if (!to_spot || (arm.tip - middle).dot(*to_spot) < params_.reach_out_m) return;
     ray.hit = meant->spot;
     ray.touch = meant->touch;
     track.distance = meant->distance_m;

@@ -47,6 +47,8 @@ class GestureTracker {
         double eye_weight = 0.35;  ///< 0 = along the forearm, 1 = from the eye through the fingertip
         double max_reach_m = 1.2;  ///< a hit farther than this from the fingertip is none [m]
         double touch_m = 0.05;     ///< a surface nearer than this before the fingertip is touched [m]
+        double reach_out_m =
+            0.22;  ///< fingertip from the middle of the body towards the spot, horizontally [m]
         LimbFinder::Params limbs;
         ArmFinder::Params arms;
         PointingParams pointing;

@@ -68,8 +68,8 @@ const VoxelGrid& VoxelCarver::update(const Frameset& frameset, const ForegroundM
         if (!frame.present || frame.depth.width != view.width || frame.depth.height != view.height) continue;
         const std::span<const uint8_t> mask = foreground.mask(s);
         for (size_t i = 0; i < view.depth.size(); ++i) {
-            const float metres = static_cast<float>(frame.depth.millimetres[i]) * 0.001F;
-            view.depth[i] = mask[i] != 0 ? metres : -metres;
+            const float sign = 2.0F * static_cast<float>(mask[i]) - 1.0F;
+            view.depth[i] = sign * (static_cast<float>(frame.depth.millimetres[i]) * 0.001F);
         }
         present_.push_back(&view);
     }

@@ -16,12 +16,6 @@ using Floats = hn::ScalableTag<float>;
 using Ints = hn::RebindToSigned<Floats>;
 using FloatVec = hn::Vec<Floats>;
 
-/// What the views have said of a row so far: non-zero = free, non-zero = occupied.
-struct RowVotes {
-    int32_t* free;
-    int32_t* occupied;
-};
-
 /// Raw image position of the normalised point (x, y), with the lens.
 inline void distort(const CarvingView& view, FloatVec r2, FloatVec& x, FloatVec& y) {
     const Floats f;
@@ -36,24 +30,28 @@ inline void distort(const CarvingView& view, FloatVec r2, FloatVec& x, FloatVec&
     y = hn::Add(hn::Mul(y, radial), dy);
 }
 
-/// One view's votes on the `count` voxels whose centres are (x0 + i * side, y, z).
+/// One view's votes on a row of voxels, the strongest of all views kept: 0 unknown, 1 occupied, 2 free.
+/// `count` is a multiple of the lanes.
 void vote_row(const CarvingView& view, const CarvingMargins& margins, const float* centres_x, float y,
-              float z, size_t count, RowVotes votes) {
+              float z, size_t count, int32_t* votes) {
     const Floats f;
     const Ints n;
     const auto& p = view.camera_from_world;
     const FloatVec base_x = hn::Set(f, p[1] * y + (p[2] * z + p[3]));
     const FloatVec base_y = hn::Set(f, p[5] * y + (p[6] * z + p[7]));
     const FloatVec base_z = hn::Set(f, p[9] * y + (p[10] * z + p[11]));
-    const FloatVec half = hn::Set(f, 0.5F), nothing = hn::Zero(f);
+    const FloatVec half = hn::Set(f, 0.5F), one = hn::Set(f, 1.0F), nothing = hn::Zero(f);
     const FloatVec width = hn::Set(f, static_cast<float>(view.width));
     const FloatVec height = hn::Set(f, static_cast<float>(view.height));
     const auto row_length = hn::Set(n, view.width);
     for (size_t i = 0; i < count; i += hn::Lanes(f)) {
+        // What another view has seen through needs no more looking at.
+        if (hn::AllTrue(n, hn::Eq(hn::LoadU(n, votes + i), hn::Set(n, 2)))) continue;
         const FloatVec cx = hn::LoadU(f, centres_x + i);
         const FloatVec pz = hn::Add(hn::Mul(hn::Set(f, p[8]), cx), base_z);
-        FloatVec x = hn::Div(hn::Add(hn::Mul(hn::Set(f, p[0]), cx), base_x), pz);
-        FloatVec yy = hn::Div(hn::Add(hn::Mul(hn::Set(f, p[4]), cx), base_y), pz);
+        const FloatVec inverse_z = hn::Div(one, pz);
+        FloatVec x = hn::Mul(hn::Add(hn::Mul(hn::Set(f, p[0]), cx), base_x), inverse_z);
+        FloatVec yy = hn::Mul(hn::Add(hn::Mul(hn::Set(f, p[4]), cx), base_y), inverse_z);
         auto visible = hn::Gt(pz, nothing);
         if (view.distorted) {
             const FloatVec r2 = hn::Add(hn::Mul(x, x), hn::Mul(yy, yy));
@@ -79,11 +77,9 @@ void vote_row(const CarvingView& view, const CarvingMargins& margins, const floa
         const auto is_near = hn::Le(pz, hn::Add(depth, hn::Set(f, margins.penetration)));
         const auto is_occupied =
             hn::And(hn::AndNot(is_free, visible), hn::And(is_near, hn::Gt(signed_depth, nothing)));
-        hn::StoreU(hn::Or(hn::LoadU(n, votes.free + i), hn::VecFromMask(n, hn::RebindMask(n, is_free))), n,
-                   votes.free + i);
-        hn::StoreU(
-            hn::Or(hn::LoadU(n, votes.occupied + i), hn::VecFromMask(n, hn::RebindMask(n, is_occupied))), n,
-            votes.occupied + i);
+        const auto vote = hn::IfThenElse(hn::RebindMask(n, is_free), hn::Set(n, 2),
+                                         hn::IfThenElseZero(hn::RebindMask(n, is_occupied), hn::Set(n, 1)));
+        hn::StoreU(hn::Max(hn::LoadU(n, votes + i), vote), n, votes + i);
     }
 }
 
@@ -95,25 +91,22 @@ size_t padded_row(int voxels) {
 void carve_rows(std::span<const CarvingView* const> views, const VoxelLattice& lattice,
                 const CarvingMargins& margins, uint8_t* states) {
     const size_t padded = padded_row(lattice.nx);
-    static thread_local std::vector<float> centres_x;
-    static thread_local std::vector<int32_t> votes;
-    centres_x.resize(padded);
-    votes.resize(2 * padded);
+    static_assert(static_cast<int>(VoxelState::free) == 0 && static_cast<int>(VoxelState::occupied) == 1 &&
+                  static_cast<int>(VoxelState::unknown) == 2);
+    std::vector<float> centres_x(padded);
+    std::vector<int32_t> votes(padded);
     for (size_t i = 0; i < padded; ++i)
         centres_x[i] = lattice.corner.x() + lattice.side * (static_cast<float>(i) + 0.5F);
-    const RowVotes row_votes{votes.data(), votes.data() + padded};
     for (int iz = 0; iz < lattice.nz; ++iz)
         for (int iy = 0; iy < lattice.ny; ++iy) {
             const float y = lattice.corner.y() + lattice.side * (static_cast<float>(iy) + 0.5F);
             const float z = lattice.corner.z() + lattice.side * (static_cast<float>(iz) + 0.5F);
             std::fill(votes.begin(), votes.end(), 0);
             for (const CarvingView* view : views)
-                vote_row(*view, margins, centres_x.data(), y, z, static_cast<size_t>(lattice.nx), row_votes);
+                vote_row(*view, margins, centres_x.data(), y, z, padded, votes.data());
             uint8_t* const row = states + lattice.index(0, iy, iz);
-            for (int i = 0; i < lattice.nx; ++i)
-                row[i] = static_cast<uint8_t>(row_votes.free[i] != 0       ? VoxelState::free
-                                              : row_votes.occupied[i] != 0 ? VoxelState::occupied
-                                                                           : VoxelState::unknown);
+            const int32_t* const strongest = votes.data();
+            for (int i = 0; i < lattice.nx; ++i) row[i] = static_cast<uint8_t>(2 - strongest[i]);
         }
 }
 

@@ -18,7 +18,7 @@ struct CarvingMargins {
 };
 
 /// Writes the state of every voxel. The projection is, in this order and in float without fused operations,
-/// P0*x + (P1*y + (P2*z + P3)) a row, x/z and y/z by true division, the lens, then floor(f*x + c + 0.5).
+/// P0*x + (P1*y + (P2*z + P3)) a row, times 1 / z (one true division), the lens, then floor(f*x + c + 0.5).
 void carve(std::span<const CarvingView* const> views, const VoxelLattice& lattice,
            const CarvingMargins& margins, std::vector<uint8_t>& states);
 

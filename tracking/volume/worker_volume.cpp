@@ -10,6 +10,7 @@ namespace {
 constexpr int32_t kIdle = -1;
 constexpr int32_t kActive = -2;
 constexpr float kStandsOnFloor = 0.4F;  // a thing reaches below this [m]
+constexpr float kForgetting = 0.5F;     // seconds of clutter lost in a second of being seen free
 constexpr float kHeadSlab = 0.25F;      // [m]
 constexpr float kHeadSpan = 0.75F;      // widest top slab of a person, an arm beside the head included [m]
 
@@ -42,6 +43,7 @@ void for_face_neighbours(const VoxelLattice& lattice, size_t index, Visit visit)
 InvalidSettings WorkerVolume::Params::validate() const {
     InvalidSettings complaints;
     require_range(complaints, "min_points", min_points, 1, 100);
+    require_range(complaints, "outvoting_points", outvoting_points, 1, 1000);
     require_range(complaints, "min_voxels", min_voxels, 1, 100000);
     require_range(complaints, "min_height_m", min_height_m, 0.3, 2.0);
     require_range(complaints, "max_height_m", max_height_m, min_height_m, 3.0);
@@ -106,13 +108,12 @@ void WorkerVolume::gather(const VoxelGrid& grid, const SurfacePoints& points,
         if (!of_part) point_voxels_[i] = v;
     }
     const size_t with_points = touched_.size();
-    const auto can_be_his = [&](size_t v) {
-        return grid.state(v) == VoxelState::occupied && clutter_s_[v] < params_.clutter_s;
-    };
+    const auto is_clutter = [&](size_t v) { return clutter_s_[v] >= static_cast<float>(params_.clutter_s); };
     for (size_t k = 0; k < with_points; ++k) {
         const uint32_t v = touched_[k];
-        if (own_points_[v] < params_.min_points || own_points_[v] < part_voxels_[v] || !can_be_his(v))
-            continue;
+        // Carving looks at the centre only: the rim of a thin arm can be seen past. Many points outvote it.
+        const int needed = grid.state(v) == VoxelState::free ? params_.outvoting_points : params_.min_points;
+        if (own_points_[v] < needed || own_points_[v] < part_voxels_[v] || is_clutter(v)) continue;
         labels_[v] = kActive;
         active_.push_back(v);
     }
@@ -120,7 +121,8 @@ void WorkerVolume::gather(const VoxelGrid& grid, const SurfacePoints& points,
     const size_t seen = active_.size();
     for (size_t k = 0; k < seen; ++k)
         for_face_neighbours(grid.lattice, active_[k], [&](size_t n) {
-            if (labels_[n] != kIdle || part_voxels_[n] > 0 || !can_be_his(n)) return;
+            if (labels_[n] != kIdle || part_voxels_[n] > 0 || is_clutter(n)) return;
+            if (grid.state(n) != VoxelState::occupied) return;
             if (own_points_[n] == 0) touched_.push_back(static_cast<uint32_t>(n));
             labels_[n] = kActive;
             active_.push_back(static_cast<uint32_t>(n));
@@ -202,7 +204,7 @@ void WorkerVolume::remember_clutter(const VoxelGrid& grid, float seconds) {
     const auto longest = static_cast<float>(4 * params_.clutter_s);
     size_t kept = 0;
     for (const uint32_t v : clutter_voxels_) {
-        if (grid.state(v) == VoxelState::free) clutter_s_[v] -= 2 * seconds;
+        if (grid.state(v) == VoxelState::free) clutter_s_[v] -= kForgetting * seconds;
         if (clutter_s_[v] <= 0) {
             clutter_s_[v] = 0;
             continue;
@@ -217,7 +219,13 @@ void WorkerVolume::remember_clutter(const VoxelGrid& grid, float seconds) {
     };
     for (const Component& component : components_) {
         if (component.of_worker || component.count < 10 || component.min.z() > kStandsOnFloor) continue;
-        for (size_t k = component.first; k < component.first + component.count; ++k) grow(order_[k]);
+        for (size_t k = component.first; k < component.first + component.count; ++k) {
+            grow(order_[k]);
+            // Its surface flickers by a voxel from frame to frame.
+            for_face_neighbours(grid.lattice, order_[k], [&](size_t n) {
+                if (labels_[n] < 0) grow(n);
+            });
+        }
     }
 }
 

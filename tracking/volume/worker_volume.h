@@ -36,6 +36,7 @@ class WorkerVolume {
   public:
     struct Params {
         int min_points = 2;         ///< foreground points that a voxel needs
+        int outvoting_points = 4;   ///< points that a voxel needs which a sensor sees as free
         int min_voxels = 150;       ///< of a person
         double min_height_m = 1.2;  ///< of a person [m]
         double max_height_m = 2.2;  ///< [m]
