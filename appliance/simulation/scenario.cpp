@@ -3,6 +3,7 @@
 
 #include <toml++/toml.h>
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <limits>
@@ -352,8 +353,10 @@ Result<Scenario> parse_scenario(const std::string& text, const std::filesystem::
     try {
         table = toml::parse(text, path.string());
     } catch (const toml::parse_error& error) {
-        return fail(path.string() + ": line " + std::to_string(error.source().begin.line) + ": " +
-                    std::string(error.description()));
+        std::string what(error.description());  // quotes the file, whatever stands there
+        std::replace_if(
+            what.begin(), what.end(), [](unsigned char c) { return c < 0x20; }, ' ');
+        return fail(path.string() + ": line " + std::to_string(error.source().begin.line) + ": " + what);
     }
     Scenario scenario;
     scenario.file = path;
