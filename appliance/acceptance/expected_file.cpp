@@ -37,7 +37,10 @@ Result<Expected> read_expected(const std::filesystem::path& path) {
     } catch (const toml::parse_error& error) {
         const auto line = error.source().begin.line;
         const std::string place = line == 0 ? "" : " line " + std::to_string(line);
-        return fail(path.string() + place + ": " + std::string(error.description()));
+        std::string what(error.description());  // quotes the file, whatever stands there
+        std::replace_if(
+            what.begin(), what.end(), [](unsigned char c) { return c < 0x20; }, ' ');
+        return fail(path.string() + place + ": " + what);
     }
     Expected expected;
     for (const auto& [key, node] : table) {

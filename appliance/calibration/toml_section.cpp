@@ -10,7 +10,14 @@
 namespace deixis {
 namespace {
 
-/// A value as the file has it, on one line and not endless.
+/// What came out of a file may hold anything; a sentence is one line.
+std::string one_line(std::string text) {
+    for (char& c : text)
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+    return text;
+}
+
+/// A value as the file has it, not endless.
 std::string shown(const toml::node& node) {
     if (node.is_table()) return "a table";
     if (node.is_floating_point()) return toml_float(node.as_floating_point()->get());
@@ -18,8 +25,7 @@ std::string shown(const toml::node& node) {
     out << toml::default_formatter(node.is_array() ? *node.as_array() : toml::array{node});
     std::string text = out.str();
     if (!node.is_array()) text = text.substr(1, text.size() - 2);
-    for (char& c : text)
-        if (c == '\n') c = ' ';
+    text = one_line(std::move(text));
     const size_t begin = text.find_first_not_of(' ');
     const size_t end = text.find_last_not_of(' ');
     text = begin == std::string::npos ? "" : text.substr(begin, end - begin + 1);
@@ -53,7 +59,7 @@ Result<toml::table> parse_toml(std::string_view text, const std::string& file) {
     } catch (const toml::parse_error& error) {
         return fail(file + ": line " + std::to_string(error.source().begin.line) + ", column " +
                     std::to_string(error.source().begin.column) +
-                    ": expected TOML: " + std::string(error.description()));
+                    ": expected TOML: " + one_line(std::string(error.description())));
     }
 }
 
@@ -69,7 +75,7 @@ void TomlSection::refuse(std::string_view key, const std::string& expected, cons
     std::string sentence =
         complaints_->file + ": key '" + place_ + std::string(key) + "': expected " + expected;
     if (!found.empty()) sentence += ", found " + found;
-    complaints_->first = Failure{std::move(sentence)};
+    complaints_->first = Failure{one_line(std::move(sentence))};
 }
 
 const toml::node* TomlSection::take(std::string_view key, const char* expected, bool required) {
@@ -182,8 +188,8 @@ std::string TomlSection::utc_time(std::string_view key) {
 void TomlSection::warn_of_unknown_keys() {
     for (const auto& [key, node] : *table_)
         if (!taken_.contains(key.str()))
-            complaints_->warnings.push_back(complaints_->file + ": unknown key '" + place_ +
-                                            std::string(key.str()) + "' is ignored");
+            complaints_->warnings.push_back(one_line(complaints_->file + ": unknown key '" + place_ +
+                                                     std::string(key.str()) + "' is ignored"));
 }
 
 bool is_utc_time(std::string_view text) {

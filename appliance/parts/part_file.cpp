@@ -86,9 +86,11 @@ Result<PartFile> read_part_file(const std::filesystem::path& path) {
     try {
         table = toml::parse_file(file);
     } catch (const toml::parse_error& problem) {
+        std::string what(problem.description());  // quotes the file, whatever stands there
+        std::replace_if(
+            what.begin(), what.end(), [](unsigned char c) { return c < 0x20; }, ' ');
         std::ostringstream sentence;
-        sentence << file << ": line " << problem.source().begin.line << " is not TOML ("
-                 << problem.description() << ").";
+        sentence << file << ": line " << problem.source().begin.line << " is not TOML (" << what << ").";
         return fail(sentence.str());
     }
     PartFile part;

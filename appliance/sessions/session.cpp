@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "appliance/calibration/calibration_file.h"
+#include "appliance/calibration/toml_section.h"
 #include "appliance/calibration/whole_file.h"
 #include "appliance/sessions/depth_png.h"
 #include "appliance/sessions/frame_stamps.h"
@@ -79,9 +80,8 @@ Result<void> order_streams(Session& session) {
     for (size_t i = 0; i < session.streams.size(); ++i) {
         const auto known = [&](const CalibratedSensor& s) { return s.name == session.streams[i].sensor; };
         if (std::none_of(session.rig.sensors.begin(), session.rig.sensors.end(), known))
-            return fail(stream_key(session, i, "sensor") +
-                        ": expected a sensor of calibration.toml, found \"" + session.streams[i].sensor +
-                        "\"");
+            return fail(stream_key(session, i, "sensor") + ": expected a sensor of calibration.toml, found " +
+                        toml_quoted(session.streams[i].sensor));
     }
     std::vector<SessionStream> ordered;
     for (const CalibratedSensor& sensor : session.rig.sensors) {

@@ -1,6 +1,7 @@
 // session.toml as text: written by the session writer, parsed by `parse_session`.
 #include "appliance/sessions/session_file.h"
 
+#include <algorithm>
 #include <set>
 
 #include "appliance/calibration/toml_section.h"
@@ -13,8 +14,11 @@ constexpr std::string_view checksum_start = "xxh3-64:";
 
 /// A file of the session folder itself: no way out of it.
 bool is_plain_name(const std::string& name) {
+    const auto unusable = [](char c) {
+        return c == '/' || c == '\\' || static_cast<unsigned char>(c) < 0x20 || c == 0x7f;
+    };
     return !name.empty() && name.size() <= 255 && name.front() != '.' &&
-           name.find_first_of("/\\") == std::string::npos && name.find('\0') == std::string::npos;
+           std::none_of(name.begin(), name.end(), unusable);
 }
 
 bool is_checksum(std::string_view text) {

@@ -270,7 +270,8 @@ Result<void> SessionWriter::copy_part(const fs::path& part_toml) {
     const std::string plain = fs::path(given).filename().string();
     std::error_code error;
     if (plain.empty() || !fs::is_regular_file(model, error))
-        return fail(name + ": key 'model': expected a model file, found nothing at " + model.string());
+        return fail(name + ": key 'model': expected a model file, found nothing at " +
+                    toml_quoted(model.string()));
     static const std::set<std::string> taken = {"session.toml",  "settings.toml", "calibration.toml",
                                                 "part.toml",     "truth.jsonl",   "expected.toml",
                                                 "recording.toml"};

@@ -180,6 +180,9 @@ std::vector<BadFile> bad_files() {
         {std::string("\xFF\xFE") + good, "line 1, column 1: expected TOML"},
         {std::string(good) + "[[sensor]", "expected TOML"},
         {"format = " + std::string(100'000, '['), "expected TOML"},
+        {edited("fx = 575.8", "fx = t"), "line 14, column 7: expected TOML"},
+        {edited("\"left\"", "\"a\\nb\""), "key 'sensor[0].name': expected a name without slash"},
+        {edited("\"depth\"", "\"so\\nnar\""), "key 'sensor[0].kind': expected"},
         {edited("calibration/1", "calibration/2"),
          "key 'format': expected \"deixis-calibration/1\", found \"deixis-calibration/2\""},
         {"format = \"deixis-calibration/1\"", "key 'sensor': expected 1 to 64 tables headed [[sensor]]"},
@@ -278,10 +281,11 @@ TEST(CalibrationFile, ARotationRoundedToFourDigitsPasses) {
 }
 
 TEST(CalibrationFile, UnknownKeysAreWarnings) {
-    const auto file =
-        parse_calibration(edited("width = 640", "colour = 3\nwidth = 640") + "gain = 1\n", "c.toml");
+    const auto file = parse_calibration(
+        edited("width = 640", "colour = 3\n\"two\\nlines\" = 1\nwidth = 640") + "gain = 1\n", "c.toml");
     ASSERT_TRUE(file) << file.error().sentence;
     EXPECT_THAT(file->warnings, ::testing::ElementsAre("c.toml: unknown key 'sensor[0].colour' is ignored",
+                                                       "c.toml: unknown key 'sensor[0].two lines' is ignored",
                                                        "c.toml: unknown key 'sensor[1].gain' is ignored"));
 }
 
