@@ -95,14 +95,22 @@ double area_of(const SurfaceMesh& mesh) {
     return area;
 }
 
-/// Which directions rays get away in, testing every `stride`-th one before the surface.
-VisibleFrom look_around(const RayCaster& caster, const Sample& s, float lift, float far, int stride) {
+/// Whether a ray from the sample gets away in direction `i`; never into the surface itself.
+bool gets_away(const RayCaster& caster, const Sample& s, float lift, float far, int i) {
+    const Eigen::Vector3f& d = skin_direction(i);
+    return d.dot(s.normal) >= 0.05F && !caster.cast(s.position + lift * s.normal, d, 0, far);
+}
+
+bool sees_out(const RayCaster& caster, const Sample& s, float lift, float far) {
+    for (int i = 0; i < skin_directions; i += probe_stride)
+        if (gets_away(caster, s, lift, far, i)) return true;
+    return false;
+}
+
+VisibleFrom look_around(const RayCaster& caster, const Sample& s, float lift, float far) {
     VisibleFrom visible;
-    for (int i = 0; i < skin_directions; i += stride) {
-        const Eigen::Vector3f& d = skin_direction(i);
-        if (d.dot(s.normal) < 0.05F) continue;
-        if (!caster.cast(s.position + lift * s.normal, d, 0, far)) visible.set(static_cast<size_t>(i));
-    }
+    for (int i = 0; i < skin_directions; ++i)
+        if (gets_away(caster, s, lift, far, i)) visible.set(static_cast<size_t>(i));
     return visible;
 }
 
@@ -203,11 +211,11 @@ std::vector<SkinPoint> sample_outer_skin(const SurfaceMesh& mesh, const OuterSki
     for (const Sample& s : samples_of(mesh, oversampling / (params.spacing * params.spacing)))
         for (const float side : {1.0F, -1.0F}) {
             const Sample sided{s.position, side * s.normal};
-            if (look_around(caster, sided, lift, far, probe_stride).any()) open.push_back(sided);
+            if (sees_out(caster, sided, lift, far)) open.push_back(sided);
         }
     std::vector<SkinPoint> skin;
     for (const Sample& s : thinned(open, params.spacing)) {
-        const VisibleFrom visible = look_around(caster, s, lift, far, 1);
+        const VisibleFrom visible = look_around(caster, s, lift, far);
         if (static_cast<double>(visible.count()) >= params.openness_min * skin_directions / 2)
             skin.push_back({s.position, s.normal, visible, true});
     }

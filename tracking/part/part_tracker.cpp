@@ -204,7 +204,7 @@ void PartTracker::Impl::accept(const Frameset& frameset, const IcpResult& fit, c
     bool certain = true;
     if (rest.at_rest()) {
         const PoseEvidence still = witness.ask(rest.resting_pose(), model->coarse(), 0, 2, 0);
-        certain = still.residual > evidence.residual + 0.015;
+        certain = still.residual > evidence.residual + 0.008;
     }
     rest.add(frameset.timestamp_us, pose, certain);
     if (rest.at_rest() && !rest.leaving()) {

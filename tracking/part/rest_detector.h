@@ -10,7 +10,8 @@ namespace deixis {
 
 struct RestParams {
     double rest_s = 0.5;      ///< keep still this long [s]
-    double rest_m = 0.005;    ///< ... within this of the mean [m]
+    double rest_m = 0.005;    ///< ... within this [m]: the mean poses of the time's two halves differ by less
+                              ///< than half of it, and no pose is off the mean by more than twice it
     double motion_m = 0.006;  ///< farther than this from the resting pose is motion [m]
     int average = 60;         ///< poses in the mean of a resting part, at most
 };
@@ -21,16 +22,17 @@ class RestDetector {
     RestDetector(const Eigen::Vector3d& centre, double radius, RestParams params);
 
     /// A new pose at `timestamp_us`; `certain` is false when the frame itself shows that the resting pose
-    /// explains it as well as the new one (noise, a hand in front): such a frame alone never ends the rest,
-    /// unless the poses are three times the motion apart.
+    /// explains it as well as the new one (noise, a hand in front): such frames do not end the rest, unless
+    /// the poses are twice the motion apart. Two frames in a row end it, a leap of four times the motion does
+    /// at once.
     void add(int64_t timestamp_us, const RigidTransform& world_from_part, bool certain);
 
     void reset();
     bool at_rest() const { return at_rest_; }
 
-    /// The last pose was away from the resting one: if the next is too, the rest is over. Do not show the
-    /// resting pose.
-    bool leaving() const { return away_ > 0; }
+    /// The last poses were off the resting one, by motion or by noise: at rest still, but the measured pose
+    /// is the better one to show.
+    bool leaving() const { return away_ > 0 || off_ > 1; }
 
     /// The averaged pose; means something only at rest.
     const RigidTransform& resting_pose() const { return resting_; }
@@ -42,7 +44,7 @@ class RestDetector {
         int64_t timestamp_us;
         RigidTransform pose;
     };
-    RigidTransform mean_of_samples() const;
+    RigidTransform mean_of_samples(size_t from, size_t to) const;
     void settle(int64_t now_us);
 
     Eigen::Vector3d centre_;
@@ -50,7 +52,8 @@ class RestDetector {
     RestParams params_;
     std::vector<Sample> samples_;  ///< oldest first
     bool at_rest_ = false;
-    int away_ = 0;
+    int away_ = 0;  ///< frames in a row that were moved
+    int off_ = 0;   ///< frames in a row that were farther off than a resting part
     int averaged_ = 0;
     RigidTransform resting_;
     Eigen::Matrix3d rotation_sum_ = Eigen::Matrix3d::Zero();

@@ -73,6 +73,61 @@ SurfaceMesh extruded_shell(const std::vector<Eigen::Vector2f>& profile, float wi
     return mesh;
 }
 
+SurfaceMesh bumper_shell(bool other) {
+    constexpr int columns = 110, rows = 36;
+    const double width = other ? 1.5 : 1.7, height = other ? 0.38 : 0.45;
+    // Planform: a wide arc that turns sharply near the ends; profile: a belly and a ledge.
+    const auto outside = [&](double s, double t) {
+        const double x = s * width / 2, end = std::max(0.0, std::abs(s) - 0.8) / 0.2;
+        const double back = (other ? 0.05 : 0.09) * s * s + 0.30 * end * end;
+        const double belly = other ? 0.03 * std::tanh(12 * (t - 0.45)) + 0.05 * t
+                                   : 0.05 * std::sin(3.0 * t) - 0.25 * std::pow(t, 6);
+        double dent = 0;
+        const auto press = [&](double at_s, double at_t, double half_s, double half_t, double depth) {
+            const double a = std::abs(s - at_s) / half_s, b = std::abs(t - at_t) / half_t;
+            dent += depth / (1 + std::exp(14 * (std::max(a, b) - 1)));
+        };
+        if (other) {
+            press(-0.45, 0.25, 0.22, 0.14, 0.04);
+            press(0.55, 0.72, 0.12, 0.10, 0.03);
+        } else {
+            press(0.02, 0.40, 0.32, 0.13, 0.03);
+            press(-0.68, 0.25, 0.07, 0.12, 0.05);
+            press(0.60, 0.22, 0.12, 0.08, 0.05);
+        }
+        return Eigen::Vector3d(x * (1 - 0.08 * end),
+                               back - belly + dent + (other ? 0.12 : 0.10) * std::pow(t, 8), height * t);
+    };
+    SurfaceMesh mesh;
+    for (const double wall : {0.0, 0.003})
+        for (int c = 0; c <= columns; ++c)
+            for (int r = 0; r <= rows; ++r) {
+                const double s = 2.0 * c / columns - 1, t = 1.0 * r / rows, h = 1e-4;
+                const Eigen::Vector3d du = outside(s + h, t) - outside(s - h, t),
+                                      dv = outside(s, t + h) - outside(s, t - h);
+                const Eigen::Vector3d inward = dv.cross(du).normalized();
+                mesh.vertices.push_back((outside(s, t) + wall * inward).cast<float>());
+            }
+    const uint32_t side = (columns + 1) * (rows + 1);
+    const auto quad = [&](uint32_t a, uint32_t b, uint32_t c, uint32_t d) {
+        mesh.triangles.push_back({a, b, c});
+        mesh.triangles.push_back({a, c, d});
+    };
+    const auto at = [&](uint32_t c, uint32_t r) { return c * (rows + 1) + r; };
+    for (uint32_t c = 0; c < columns; ++c)
+        for (uint32_t r = 0; r < rows; ++r) {
+            quad(at(c, r), at(c + 1, r), at(c + 1, r + 1), at(c, r + 1));
+            quad(side + at(c, r), side + at(c, r + 1), side + at(c + 1, r + 1), side + at(c + 1, r));
+        }
+    for (uint32_t c = 0; c < columns; ++c)
+        for (const uint32_t r : {0U, static_cast<uint32_t>(rows)})
+            quad(at(c, r), at(c + 1, r), side + at(c + 1, r), side + at(c, r));
+    for (uint32_t r = 0; r < rows; ++r)
+        for (const uint32_t c : {0U, static_cast<uint32_t>(columns)})
+            quad(at(c, r), at(c, r + 1), side + at(c, r + 1), side + at(c, r));
+    return mesh;
+}
+
 SurfaceMesh person(const Eigen::Vector2f& place, const Eigen::Vector3f& hand) {
     const auto at = [&](float x, float y, float z) {
         return Eigen::Vector3f(place.x() + x, place.y() + y, z);
@@ -99,9 +154,11 @@ SurfaceMesh trolley(const RigidTransform& world_from_part, const MeshBounds& par
                          {middle.x(), middle.y(), 0}});
 }
 
-CalibratedSensor kinect(const Eigen::Vector3d& eye, const Eigen::Vector3d& target) {
+CalibratedSensor kinect(const Eigen::Vector3d& eye, const Eigen::Vector3d& target, int shrink) {
     CalibratedSensor sensor;
-    sensor.camera = {640, 480, 575.8, 575.8, 319.5, 239.5, {0, 0, 0, 0, 0}};
+    const double f = 575.8 / shrink;
+    sensor.camera = {640 / shrink,   480 / shrink, f, f, (640.0 / shrink - 1) / 2, (480.0 / shrink - 1) / 2,
+                     {0, 0, 0, 0, 0}};
     const Eigen::Vector3d z = (target - eye).normalized(), x = z.cross(Eigen::Vector3d::UnitZ()).normalized();
     sensor.camera_from_world.rotation.row(0) = x;
     sensor.camera_from_world.rotation.row(1) = z.cross(x);
@@ -110,13 +167,13 @@ CalibratedSensor kinect(const Eigen::Vector3d& eye, const Eigen::Vector3d& targe
     return sensor;
 }
 
-std::vector<CalibratedSensor> two_kinects(unsigned seed) {
+std::vector<CalibratedSensor> two_kinects(unsigned seed, int shrink) {
     std::mt19937 random(seed + 77);
     std::uniform_real_distribution<double> jitter(-0.2, 0.2);
     std::vector<CalibratedSensor> sensors;
     for (const double side : {-1.0, 1.0}) {
         const Eigen::Vector3d eye(side * (1.6 + jitter(random)), -2.1 + jitter(random), 2.0 + jitter(random));
-        sensors.push_back(kinect(eye, {0.3 * jitter(random), 0.3 * jitter(random), 0.75}));
+        sensors.push_back(kinect(eye, {0.3 * jitter(random), 0.3 * jitter(random), 0.75}, shrink));
         sensors.back().name = side < 0 ? "left" : "right";
     }
     return sensors;

@@ -22,16 +22,22 @@ SurfaceMesh moved(const SurfaceMesh& mesh, const RigidTransform& to_from);
 /// `bend_radius` about the z axis when that is positive.
 SurfaceMesh extruded_shell(const std::vector<Eigen::Vector2f>& profile, float width, float bend_radius);
 
+/// A bumper-like shell of 3 mm wall without any CAD kernel: ends that wrap back, a rounded profile, dents
+/// that differ left and right. x along the width, z up, outer skin towards -y. `other` is a visibly different
+/// one.
+SurfaceMesh bumper_shell(bool other);
+
 /// A standing figure of capsules at (x, y) on the floor, facing `towards`; an arm reaches for `hand`.
 SurfaceMesh person(const Eigen::Vector2f& place, const Eigen::Vector3f& hand);
 
 /// Base plate, two posts and a beam under a part whose lower edge is at `height`.
 SurfaceMesh trolley(const RigidTransform& world_from_part, const MeshBounds& part);
 
-CalibratedSensor kinect(const Eigen::Vector3d& eye, const Eigen::Vector3d& target);
+/// `shrink` divides the number of pixels along each side: smaller images for quick tests.
+CalibratedSensor kinect(const Eigen::Vector3d& eye, const Eigen::Vector3d& target, int shrink = 1);
 
 /// Two sensors in front of the cell, 2.2 to 2.9 m from its middle, a little different for each seed.
-std::vector<CalibratedSensor> two_kinects(unsigned seed);
+std::vector<CalibratedSensor> two_kinects(unsigned seed, int shrink = 1);
 
 struct NoiseLevel {
     double disparity_sigma = 0.7;  ///< in steps of 1/8 pixel
