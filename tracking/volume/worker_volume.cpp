@@ -146,6 +146,7 @@ void WorkerVolume::label(const VoxelLattice& lattice) {
             component.min = component.min.cwiseMin(centre);
             component.max = component.max.cwiseMax(centre);
             for_neighbours(lattice, order_[next], 1, [&](size_t n) {
+                if (part_voxels_[n] > 0) component.at_part = true;
                 if (labels_[n] != kActive) return;
                 labels_[n] = id;
                 order_.push_back(static_cast<uint32_t>(n));
@@ -191,7 +192,7 @@ void WorkerVolume::attach(const VoxelLattice& lattice, int person) {
     components_[person].of_worker = true;
     const int reach = static_cast<int>(std::ceil(params_.attach_m / lattice.side));
     for (Component& component : components_) {
-        if (component.of_worker || component.min.z() < kStandsOnFloor) continue;
+        if (component.of_worker || component.at_part || component.min.z() < kStandsOnFloor) continue;
         if (component.count > components_[person].count / 3) continue;
         for (size_t k = component.first; k < component.first + component.count && !component.of_worker; ++k)
             for_neighbours(lattice, order_[k], reach, [&](size_t n) {
@@ -218,7 +219,7 @@ void WorkerVolume::remember_clutter(const VoxelGrid& grid, float seconds) {
         clutter_s_[v] = std::min(clutter_s_[v] + seconds, longest);
     };
     for (const Component& component : components_) {
-        if (component.of_worker || component.count < 10 || component.min.z() > kStandsOnFloor) continue;
+        if (component.of_worker || (component.min.z() > kStandsOnFloor && !component.at_part)) continue;
         for (size_t k = component.first; k < component.first + component.count; ++k) {
             grow(order_[k]);
             // Its surface flickers by a voxel from frame to frame.

@@ -63,6 +63,7 @@ class WorkerVolume {
         size_t first = 0, count = 0;  ///< range of order_
         Eigen::Vector3f min = Eigen::Vector3f::Zero(), max = Eigen::Vector3f::Zero();
         bool of_worker = false;
+        bool at_part = false;  ///< touches voxels of the part: what holds it, or its own noise
     };
 
     void start_afresh(const VoxelGrid& grid);
