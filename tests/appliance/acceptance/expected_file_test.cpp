@@ -42,6 +42,7 @@ TEST_F(ExpectedFile, RefusesWhatCannotBeACriterion) {
               path_ + ": part_mm_max must be a number of 0 or more");
     EXPECT_THAT(expected_of("\npart_mm_max = = 3").error().sentence,
                 testing::StartsWith(path_ + " line 2: "));
+    EXPECT_EQ(expected_of("pcp_min = f\n").error().sentence.find('\n'), std::string::npos);
     EXPECT_THAT(read_expected("/no/such.toml").error().sentence, testing::StartsWith("/no/such.toml"));
 }
 
