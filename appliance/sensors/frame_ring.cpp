@@ -12,12 +12,7 @@
 #include <boost/interprocess/shared_memory_object.hpp>
 #include <cerrno>
 #include <cstring>
-#include <filesystem>
-#include <fstream>
 #include <new>
-#include <optional>
-#include <sstream>
-#include <system_error>
 
 #include "appliance/sensors/host_clock.h"
 
@@ -26,22 +21,7 @@ namespace {
 
 namespace ipc = boost::interprocess;
 
-constexpr const char* name_prefix = "deixis-ring-";
 constexpr int64_t clock_slack_us = 1'000'000;
-
-/// Start time of a process in clock ticks (field 22 of /proc/<pid>/stat); nothing when it does not live.
-std::optional<std::string> start_of_process(const std::string& pid) {
-    std::ifstream file("/proc/" + pid + "/stat");
-    std::string line;
-    if (!std::getline(file, line)) return std::nullopt;
-    const size_t after_name = line.rfind(')');
-    if (after_name == std::string::npos) return std::nullopt;
-    std::istringstream fields(line.substr(after_name + 1));
-    std::string field;
-    for (int i = 3; i <= 22; ++i)
-        if (!(fields >> field)) return std::nullopt;
-    return field;
-}
 
 std::string size_of(uint32_t width, uint32_t height) {
     return std::to_string(width) + "x" + std::to_string(height);
@@ -122,28 +102,6 @@ std::string fault_of_header(const RingHeader& h, uint64_t size) {
 }
 
 }  // namespace
-
-std::string unique_ring_name() {
-    static std::atomic<uint64_t> number{0};
-    const std::string pid = std::to_string(getpid());
-    return name_prefix + pid + "-" + start_of_process(pid).value_or("0") + "-" + std::to_string(++number);
-}
-
-int remove_left_over_rings() {
-    int removed = 0;
-    std::error_code error;
-    for (const auto& entry : std::filesystem::directory_iterator("/dev/shm", error)) {
-        const std::string name = entry.path().filename().string();
-        if (!name.starts_with(name_prefix)) continue;
-        std::istringstream parts(name.substr(std::strlen(name_prefix)));
-        std::string pid, start;
-        if (!std::getline(parts, pid, '-') || !std::getline(parts, start, '-')) continue;
-        if (pid.empty() || pid.find_first_not_of("0123456789") != std::string::npos) continue;
-        if (start_of_process(pid) == start) continue;
-        if (ipc::shared_memory_object::remove(name.c_str())) ++removed;
-    }
-    return removed;
-}
 
 struct FrameRingWriter::Impl {
     Mapping map;

@@ -8,7 +8,7 @@
 
 #include "appliance/simulation/cell_scenery.h"
 #include "appliance/simulation/counter_random.h"
-#include "appliance/simulation/skin_spots.h"
+#include "appliance/simulation/stance_finder.h"
 
 namespace deixis {
 namespace {
@@ -16,26 +16,14 @@ namespace {
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
-/// Turn of a worker who looks along `direction`.
-double turn_towards(const Vector2d& direction) {
-    return std::atan2(-direction.x(), direction.y());
-}
-
-struct Stance {
-    FloorPose feet;
-    double lean = 0;
-    ArmGoal goal;
-};
-
 class Planner {
   public:
     Planner(const Scenario& scenario, uint64_t seed, const SurfaceMesh& part, const RayCaster& caster,
             CellScript script)
         : scenario_(scenario),
           draw_(seed, 7),
-          caster_(caster),
-          spots_(part, caster, script.trolley_from_part.rotation.transpose() * -Vector3d::UnitY()),
           script_(std::move(script)),
+          stances_(scenario, script_, part, caster, draw_),
           left_next_(draw_.coin()) {}
 
     Result<CellScript> run() {
@@ -176,8 +164,8 @@ class Planner {
         if (action.pointing) {
             // Only in the middle of the way, where nobody would call the part at rest.
             const double t0 = start + 0.25 * seconds, t1 = start + 0.72 * seconds;
-            const auto goal = reachable_from_here(action, free, lean, 0.5 * (t0 + t1));
-            if (!goal) return trouble("no spot of the part is in reach of the free hand");
+            const auto goal = stances_.reach_from_here(action, free, lean, 0.5 * (t0 + t1));
+            if (!goal) return trouble(stances_.trouble());
             script_.worker.arms[free].go(t0 - 0.75, t0, *goal);
             script_.worker.arms[free].go(t1, t1 + 0.5, {});
             script_.worker.gazes.push_back({t0 - 0.75, t1 + 0.3, goal->spot});
@@ -189,139 +177,7 @@ class Planner {
         return true;
     }
 
-    std::optional<ArmGoal> reachable_from_here(const ScenarioAction& action, size_t side, double lean,
-                                               double time) {
-        for (int attempt = 0; attempt < 300; ++attempt) {
-            const auto spot = action.target ? spots_.at(*action.target) : spots_.draw(draw_);
-            if (!spot) return std::nullopt;
-            ArmGoal goal = aiming_goal(*spot);
-            goal.gap = draw_.uniform(0.08, 0.25);
-            if (solves(goal, script_.worker.feet.at(time).pose, lean, side, time)) return goal;
-        }
-        return std::nullopt;
-    }
-
     // --- pointing ---
-
-    ArmGoal aiming_goal(const SkinSpot& spot) {
-        ArmGoal goal{.task = ArmTask::aim, .spot = spot.position, .mode = script_.aim};
-        const double share = draw_.uniform(0, 1);  // near the surface more often than far from it
-        goal.gap =
-            scenario_.worker.gap_min + (scenario_.worker.gap_max - scenario_.worker.gap_min) * share * share;
-        goal.wrist_bend = draw_.uniform(0.05, 0.18);
-        goal.tremor_seed = static_cast<uint64_t>(draw_.uniform(0, 1e9));
-        return goal;
-    }
-
-    /// A place to stand from which `side`'s stretched arm aims at `spot`; nothing when this draw does not
-    /// fit.
-    std::optional<Stance> draw_stance(const SkinSpot& spot, size_t side, const ArmGoal& goal) {
-        const BodyDimensions& d = script_.dimensions;
-        const RigidTransform world_from_part = script_.surroundings(now_).world_from_part;
-        const Vector3d target = world_from_part * spot.position,
-                       normal = world_from_part.rotation * spot.normal;
-        const Vector2d ahead = Eigen::Rotation2Dd(trolley().turn) * Vector2d::UnitY();
-        Vector2d way = ahead - 0.9 * normal.head<2>();
-        way = Eigen::Rotation2Dd(draw_.uniform(-0.25, 0.25)) * way.normalized();
-        const double inwards = side == 1 ? 1 : -1;
-        Stance stance{{Vector2d::Zero(), turn_towards(way) + draw_.uniform(-0.12, 0.12)}, 0, goal};
-        stance.lean = std::clamp(0.04 + 0.55 * (d.shoulder_height() - target.z() - 0.35), 0.02, 0.5) +
-                      draw_.uniform(0, 0.06);
-        const Vector3d shoulder =
-            shoulder_of(d, stand(d, {stance.feet, Vector2d::Zero(), 0}, stance.lean, 0, now_), side);
-        const double reach = d.arm_reach() * draw_.uniform(0.92, 0.98) + goal.gap;
-        const double drop = shoulder.z() - target.z();
-        if (reach < std::abs(drop) + 0.25) return std::nullopt;
-        const Vector2d arm = Eigen::Rotation2Dd(inwards * draw_.uniform(-0.1, 0.3)) * way;
-        stance.feet.position =
-            target.head<2>() - arm * std::sqrt(reach * reach - drop * drop) - shoulder.head<2>();
-        if (!free_of_part(stance) || !solves(goal, stance.feet, stance.lean, side, now_)) return std::nullopt;
-        return stance;
-    }
-
-    bool free_of_part(const Stance& stance) const {
-        const Vector2d local = relative_to(trolley(), stance.feet).position;
-        const Box& cell = scenario_.cell;
-        const Vector2d& p = stance.feet.position;
-        return (local.y() < -0.33 || std::abs(local.x()) > 1.3) && p.x() > cell.min.x() + 0.2 &&
-               p.x() < cell.max.x() - 0.2 && p.y() > cell.min.y() + 0.2 && p.y() < cell.max.y() - 0.2;
-    }
-
-    /// True when the arm reaches, the aimed line meets the skin first at the spot, and arm and trunk keep
-    /// clear of it.
-    bool solves(const ArmGoal& goal, const FloorPose& feet, double lean, size_t side, double time) const {
-        const BodyDimensions& d = script_.dimensions;
-        ArmSurroundings around = script_.surroundings(time);
-        around.time = time;
-        around.facing = feet.turn;
-        BodyPose pose = stand(d, {feet, Vector2d::Zero(), 0}, lean, 0, time);
-        const Vector3d spot = around.world_from_part * goal.spot;
-        look_at(d, pose, spot, 1);
-        const ArmSolution solution = solve_arm(d, pose, side, goal, around);
-        if (!solution.reached) return false;
-        pose.arms[side] = solution.arm;
-        const BodyPlaces places = place_body(d, pose);
-        const RigidTransform part_from_world = around.world_from_part.inverse();
-        const auto hit_distance = [&](const Vector3d& from, const Vector3d& to) {
-            const Vector3d a = part_from_world * from, b = part_from_world * to;
-            const auto hit = caster_.cast(a.cast<float>(), (b - a).cast<float>(), 0, 1.5F);
-            return hit ? hit->distance * (b - a).norm() : 1e9;
-        };
-        const Vector3d& tip = places.fingertips[side];
-        if (std::abs(hit_distance(tip, spot) - (spot - tip).norm()) > 0.02 && goal.gap > 0.01) return false;
-        if (hit_distance(places.joints[4 + side], tip) < (tip - places.joints[4 + side]).norm() - 0.02)
-            return false;
-        const auto clear = [&](const Vector3d& p, double radius) {
-            return !caster_.nearest((part_from_world * p).cast<float>(), static_cast<float>(radius));
-        };
-        return clear(places.joints[8], 0.22) && clear(places.joints[1], 0.2) &&
-               clear(places.joints[11 + side], 0.12) &&
-               clear(0.5 * (places.joints[1] + places.joints[8]), 0.22);
-    }
-
-    /// Adds the scatter of the aimed line about its origin (eye, elbow or wrist) to the goal's spot.
-    void scatter(ArmGoal& goal, const Stance& stance, size_t side) {
-        const BodyDimensions& d = script_.dimensions;
-        const Vector3d spot = script_.surroundings(now_).world_from_part * goal.spot;
-        BodyPose pose = stand(d, {stance.feet, Vector2d::Zero(), 0}, stance.lean, 0, now_);
-        look_at(d, pose, spot, 1);
-        const double length = goal.mode == AimMode::eye       ? (spot - eye_of(d, pose)).norm()
-                              : goal.mode == AimMode::forearm ? d.forearm() + d.hand() + goal.gap
-                                                              : d.hand() + goal.gap;
-        const Vector3d line = (spot - shoulder_of(d, pose, side)).normalized();
-        const Vector3d u = line.unitOrthogonal(), v = line.cross(u);
-        const double sigma = scenario_.worker.scatter * length;
-        const Vector3d offset = sigma * (draw_.normal() * u + draw_.normal() * v);
-        goal.spot += script_.surroundings(now_).world_from_part.rotation.transpose() * offset;
-    }
-
-    std::optional<std::pair<SkinSpot, Stance>> find_stance(const ScenarioAction& action, size_t side) {
-        const Vector3d right = script_.trolley_from_part.rotation.transpose() * Vector3d::UnitX();
-        for (int attempt = 0; attempt < 600; ++attempt) {
-            const auto spot = action.target ? spots_.at(*action.target) : spots_.draw(draw_);
-            if (!spot) {
-                trouble(action.target
-                            ? "key \"target\" is not a point of the part's outer skin that faces the worker"
-                            : "the part has no skin that faces the worker");
-                return std::nullopt;
-            }
-            if (!action.target) {
-                const double across = (spot->position - spots_.middle()).dot(right) * (side == 1 ? 1 : -1);
-                if (across < -0.35 * spots_.half_width()) continue;  // the other arm's side
-                const bool used =
-                    std::any_of(script_.gestures.begin(), script_.gestures.end(), [&](const HeldGesture& g) {
-                        return g.pointing.target_part &&
-                               (*g.pointing.target_part - spot->position).norm() < 0.15;
-                    });
-                if (used && attempt < 400) continue;
-            }
-            ArmGoal goal = aiming_goal(*spot);
-            if (action.touch) goal.gap = 0.002;
-            if (const auto stance = draw_stance(*spot, side, goal)) return std::pair{*spot, *stance};
-        }
-        trouble("no stance was found from which the worker's arm reaches the spot");
-        return std::nullopt;
-    }
 
     size_t choose_side(const ScenarioAction& action) {
         const bool left = action.left_arm.value_or(left_next_);
@@ -331,20 +187,17 @@ class Planner {
 
     bool point(const ScenarioAction& action) {
         const size_t side = choose_side(action);
-        auto found = find_stance(action, side);
-        if (!found) return false;
-        auto& [spot, stance] = *found;
-        walk(stance.feet);
-        ArmGoal goal = stance.goal;
-        scatter(goal, stance, side);
+        const auto stance = stances_.find(action, side, now_);
+        if (!stance) return trouble(stances_.trouble());
+        walk(stance->feet);
         const double reach = draw_.uniform(0.75, 1.05), start = now_;
         const double seconds =
             action.seconds.value_or(action.meant ? draw_.uniform(1.4, 2.0) : draw_.uniform(0.4, 0.6));
-        script_.worker.lean.move(start, start + 0.9 * reach, stance.lean);
-        script_.worker.arms[side].go(start, start + reach, goal);
+        script_.worker.lean.move(start, start + 0.9 * reach, stance->lean);
+        script_.worker.arms[side].go(start, start + reach, stance->goal);
         const double end = start + reach + seconds;
-        hold(start + reach, end, side, action.meant, action.touch, spot.position);
-        script_.worker.gazes.push_back({start - 0.1, end + 0.4, spot.position});
+        hold(start + reach, end, side, action.meant, action.touch, stance->spot.position);
+        script_.worker.gazes.push_back({start - 0.1, end + 0.4, stance->spot.position});
         relax(side, end);
         return true;
     }
@@ -362,21 +215,20 @@ class Planner {
     /// The stretched arm goes along the part without stopping.
     bool pass(const ScenarioAction& action) {
         const size_t side = choose_side(action);
-        const auto found = find_stance(action, side);
-        if (!found) return false;
-        const auto& [spot, stance] = *found;
-        walk(stance.feet);
+        const auto stance = stances_.find(action, side, now_);
+        if (!stance) return trouble(stances_.trouble());
+        walk(stance->feet);
         const double seconds = action.seconds.value_or(draw_.uniform(1.1, 1.4)), start = now_;
         const Vector3d along = script_.trolley_from_part.rotation.transpose() * Vector3d::UnitX();
         const double sign = draw_.coin() ? 1 : -1;
-        ArmGoal goal = stance.goal;
+        ArmGoal goal = stance->goal;
         goal.task = ArmTask::sweep;
-        goal.spot = spot.position - sign * 0.3 * along;
-        goal.spot_to = spot.position + sign * 0.3 * along;
+        goal.spot = stance->spot.position - sign * 0.3 * along;
+        goal.spot_to = stance->spot.position + sign * 0.3 * along;
         goal.gap = std::max(goal.gap, 0.1);
         goal.sweep_from = start + 0.55;
         goal.sweep_to = goal.sweep_from + seconds;
-        script_.worker.lean.move(start, start + 0.7, stance.lean);
+        script_.worker.lean.move(start, start + 0.7, stance->lean);
         script_.worker.arms[side].go(start, start + 0.8, goal);
         hold(start + 0.8, goal.sweep_to - 0.15, side, false, false, std::nullopt);
         relax(side, goal.sweep_to - 0.15);
@@ -429,9 +281,8 @@ class Planner {
   private:
     const Scenario& scenario_;
     DrawSequence draw_;
-    const RayCaster& caster_;
-    SkinSpots spots_;
     CellScript script_;
+    StanceFinder stances_;
     bool left_next_;
     double now_ = 0;
     std::string trouble_;

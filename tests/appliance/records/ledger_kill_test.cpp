@@ -64,7 +64,11 @@ std::vector<DefectId> commit_until_killed(const std::filesystem::path& file,
     return ids;
 }
 
-using LedgerKillTest = LedgerFolder;
+class LedgerKillTest : public LedgerFolder {
+    std::filesystem::path root() const override {
+        return std::filesystem::temp_directory_path();
+    }  // a real disk
+};
 
 TEST_F(LedgerKillTest, FiftyKillsLoseNoAcknowledgedMark) {
     std::mt19937 random(2);
