@@ -65,20 +65,31 @@ struct Perception::Stages {
     void take_part_out(const PartEstimate& part, const SurfacePoints& points) {
         part_points.assign(points.size(), 0);
         if (part.state != PartState::tracking) return;
-        const ReferenceModel& model = tracker->model();
+        const MeshBounds& bounds = tracker->model().bounds();
         const RigidTransform part_from_world = part.world_from_part.inverse();
         const Eigen::Matrix3f rotation = part_from_world.rotation.cast<float>();
         const Eigen::Vector3f translation = part_from_world.translation.cast<float>();
-        const Eigen::Array3f low = model.bounds().min.array() - part_margin;
-        const Eigen::Array3f high = model.bounds().max.array() + part_margin;
+        const Eigen::Array3f low = bounds.min.array() - part_margin, high = bounds.max.array() + part_margin;
         for (size_t i = 0; i < points.size(); ++i) {
             if (!points.foreground[i]) continue;
             const Eigen::Vector3f p = rotation * points.positions[i] + translation;
             // Most of the worker is nowhere near the part: the box spares a look into a table too large for
             // the cache.
             if ((p.array() < low).any() || (p.array() > high).any()) continue;
-            part_points[i] = model.distance_to_surface(p) < part_margin;
+            part_points[i] = is_of_part(p);
         }
+    }
+
+    /// On the skin, or behind it: a pointing hand is before the skin, what shines through from behind is the
+    /// stand, the inner side and the noise of grazing views.
+    bool is_of_part(const Eigen::Vector3f& p) const {
+        const ReferenceModel& model = tracker->model();
+        if (model.distance_to_surface(p) < part_margin) return true;
+        const uint32_t nearest = model.outer_grid().find(p);
+        if (nearest == NearestPointGrid::none) return false;
+        const SkinPoint& skin = model.fine()[nearest];
+        const Eigen::Vector3f away = p - skin.position;
+        return away.dot(skin.normal) < -0.5F * away.norm();
     }
 };
 
