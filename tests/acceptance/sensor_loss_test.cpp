@@ -143,9 +143,9 @@ TEST_P(SensorLoss, IsPublishedAndOutlived) {
 INSTANTIATE_TEST_SUITE_P(BySensorAndSignal, SensorLoss,
                          testing::Values(Loss{"left", "right", SIGKILL}, Loss{"right", "left", SIGKILL},
                                          Loss{"left", "right", SIGSTOP}, Loss{"right", "left", SIGSTOP}),
-                         [](const auto& info) {
-                             return std::string(info.param.sensor) +
-                                    (info.param.signal == SIGKILL ? "_killed" : "_stopped");
+                         [](const auto& loss) {
+                             return std::string(loss.param.sensor) +
+                                    (loss.param.signal == SIGKILL ? "_killed" : "_stopped");
                          });
 
 }  // namespace

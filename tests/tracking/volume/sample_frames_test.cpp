@@ -69,7 +69,9 @@ class SampleFrames : public testing::Test {
             const auto object = nlohmann::json::parse(line);
             TruePose& pose = truth_.emplace_back();
             pose.timestamp_us = object.at("timestamp_us");
-            for (const auto& [name, p] : object.at("joints").items()) pose.joints[name] = {p[0], p[1], p[2]};
+            for (const auto& [name, p] : object.at("joints").items())
+                pose.joints[name] =
+                    Eigen::Vector3d(p[0].get<double>(), p[1].get<double>(), p[2].get<double>());
         }
         ASSERT_FALSE(truth_.empty());
     }
