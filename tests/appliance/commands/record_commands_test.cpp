@@ -122,7 +122,7 @@ TEST_F(RecordCommandsTest, ExportRefusesInOneSentence) {
               "the code \"TOOLONG\" does not fit; expected 1 to 4 characters\n");
     EXPECT_THAT(refused("--format csv --output '" + folder_.string() + "'" + from_database()),
                 HasSubstr("Is a directory"));
-    EXPECT_THAT(refused("--format csv" + from_database() + " > /dev/full"),
+    EXPECT_THAT(refused("--format csv" + from_database() + " 2>&1 >/dev/full #"),
                 HasSubstr("cannot write to standard output"));
     EXPECT_EQ(deixis("export --format xml" + from_database()).code, 2);
     EXPECT_EQ(deixis("export --format csv").code, 2);

@@ -353,7 +353,7 @@ INSTANTIATE_TEST_SUITE_P(
         BadAmc{true, {"name ltibia", "name lfemur", "bone \"lfemur\" is given twice"}},
         BadAmc{true, {"root lfemur rfemur", "root lfemur rwing", "unknown bone \"rwing\""}},
         BadAmc{true, {" lfemur ltibia\n", " ltibia lfemur\n", "bone \"lfemur\" stands before its parent"}},
-        BadAmc{true, {"name head", "name hat", "the skeleton has no head"}},
+        BadAmc{true, {"name head", "name hat", "unknown bone \"head\""}},
         BadAmc{false, {"1\nroot", "root", "a bone before the first frame's number"}},
         BadAmc{false, {"lfemur 0 0 0", "lfemur 0 0", "bone \"lfemur\" needs 3 numbers"}},
         BadAmc{false, {"lfemur 0 0 0", "wing 0 0 0", "unknown bone \"wing\""}},
