@@ -11,8 +11,10 @@ constexpr int32_t kIdle = -1;
 constexpr int32_t kActive = -2;
 constexpr float kStandsOnFloor = 0.4F;  // a thing reaches below this [m]
 constexpr float kForgetting = 0.5F;     // seconds of clutter lost in a second of being seen free
-constexpr float kHeadSlab = 0.25F;      // [m]
-constexpr float kHeadSpan = 0.75F;      // widest top slab of a person, an arm beside the head included [m]
+constexpr int kBlock = 6;  // voxels; nothing is learned in a person's block and its 26 neighbours
+constexpr float kPersonRemembered = 1.0F;  // a person lost for less than this is still about [s]
+constexpr float kHeadSlab = 0.25F;         // [m]
+constexpr float kHeadSpan = 0.75F;         // widest top slab of a person, an arm beside the head included [m]
 
 /// Calls `visit(neighbour index)` for the up to 26 neighbours inside the lattice.
 template <class Visit>
@@ -61,6 +63,7 @@ void WorkerVolume::start_afresh(const VoxelGrid& grid) {
     labels_.assign(voxels, kIdle);
     clutter_s_.assign(voxels, 0);
     clutter_voxels_.clear();
+    person_seen_s_ = kPersonRemembered;
     touched_.clear();
     body_ = WorkerBody{};
     started_ = false;
@@ -78,7 +81,9 @@ const WorkerBody& WorkerVolume::update(int64_t timestamp_us, const VoxelGrid& gr
     label(grid.lattice);
     const int person = choose_person(grid.lattice);
     if (person >= 0) attach(grid.lattice, person);
-    remember_clutter(grid, static_cast<float>(std::min(seconds, 0.2)));
+    const auto step = static_cast<float>(std::min(seconds, 0.2));
+    mark_person_blocks(grid.lattice, step);
+    remember_clutter(grid, step);
 
     body_.present = person >= 0;
     collect(points);
@@ -190,9 +195,11 @@ int WorkerVolume::choose_person(const VoxelLattice& lattice) const {
 
 void WorkerVolume::attach(const VoxelLattice& lattice, int person) {
     components_[person].of_worker = true;
-    const int reach = static_cast<int>(std::ceil(params_.attach_m / lattice.side));
     for (Component& component : components_) {
-        if (component.of_worker || component.at_part || component.min.z() < kStandsOnFloor) continue;
+        if (component.of_worker || component.min.z() < kStandsOnFloor) continue;
+        // At the part it may be a hand, or what holds the part: the hand's arm ends close by.
+        const double gap = component.at_part ? params_.attach_m / 2 : params_.attach_m;
+        const int reach = static_cast<int>(std::ceil(gap / lattice.side));
         if (component.count > components_[person].count / 3) continue;
         for (size_t k = component.first; k < component.first + component.count && !component.of_worker; ++k)
             for_neighbours(lattice, order_[k], reach, [&](size_t n) {
@@ -201,11 +208,43 @@ void WorkerVolume::attach(const VoxelLattice& lattice, int person) {
     }
 }
 
+void WorkerVolume::mark_person_blocks(const VoxelLattice& lattice, float seconds) {
+    person_seen_s_ += seconds;
+    const bool present =
+        std::any_of(components_.begin(), components_.end(), [](const Component& c) { return c.of_worker; });
+    if (!present && person_seen_s_ <= kPersonRemembered) return;
+    blocks_ = {lattice.nx / kBlock + 1, lattice.ny / kBlock + 1, lattice.nz / kBlock + 1};
+    near_person_.assign(static_cast<size_t>(blocks_.prod()), 0);
+    if (!present) return;
+    person_seen_s_ = 0;
+    for (const Component& component : components_) {
+        if (!component.of_worker) continue;
+        for (size_t k = component.first; k < component.first + component.count; ++k) {
+            const Eigen::Vector3i block = lattice.coordinates(order_[k]) / kBlock;
+            for (int z = std::max(block.z() - 1, 0); z <= std::min(block.z() + 1, blocks_.z() - 1); ++z)
+                for (int y = std::max(block.y() - 1, 0); y <= std::min(block.y() + 1, blocks_.y() - 1); ++y)
+                    for (int x = std::max(block.x() - 1, 0); x <= std::min(block.x() + 1, blocks_.x() - 1);
+                         ++x)
+                        near_person_[(static_cast<size_t>(z) * blocks_.y() + y) * blocks_.x() + x] = 1;
+        }
+    }
+}
+
+bool WorkerVolume::is_near_person(const VoxelLattice& lattice, size_t voxel) const {
+    const Eigen::Vector3i block = lattice.coordinates(voxel) / kBlock;
+    return near_person_[(static_cast<size_t>(block.z()) * blocks_.y() + block.y()) * blocks_.x() +
+                        block.x()] != 0;
+}
+
 void WorkerVolume::remember_clutter(const VoxelGrid& grid, float seconds) {
     const auto longest = static_cast<float>(4 * params_.clutter_s);
     size_t kept = 0;
     for (const uint32_t v : clutter_voxels_) {
-        if (grid.state(v) == VoxelState::free) clutter_s_[v] -= kForgetting * seconds;
+        // A thin bar is seen past and yet seen: as long as points lie in it, it is there.
+        if (own_points_[v] >= params_.min_points)
+            clutter_s_[v] = std::min(clutter_s_[v] + seconds, longest);
+        else if (grid.state(v) == VoxelState::free)
+            clutter_s_[v] -= kForgetting * seconds;
         if (clutter_s_[v] <= 0) {
             clutter_s_[v] = 0;
             continue;
@@ -215,11 +254,13 @@ void WorkerVolume::remember_clutter(const VoxelGrid& grid, float seconds) {
     clutter_voxels_.resize(kept);
     if (seconds <= 0) return;
     const auto grow = [&](size_t v) {
+        // A forearm behind an edge, or one that noise has cut off, is no thing.
+        if (is_near_person(grid.lattice, v)) return;
         if (clutter_s_[v] == 0) clutter_voxels_.push_back(static_cast<uint32_t>(v));
         clutter_s_[v] = std::min(clutter_s_[v] + seconds, longest);
     };
     for (const Component& component : components_) {
-        if (component.of_worker || (component.min.z() > kStandsOnFloor && !component.at_part)) continue;
+        if (component.of_worker) continue;
         for (size_t k = component.first; k < component.first + component.count; ++k) {
             grow(order_[k]);
             // Its surface flickers by a voxel from frame to frame.

@@ -72,6 +72,8 @@ class WorkerVolume {
     int choose_person(const VoxelLattice& lattice) const;
     bool is_upright(const VoxelLattice& lattice, const Component& component) const;
     void attach(const VoxelLattice& lattice, int person);
+    void mark_person_blocks(const VoxelLattice& lattice, float seconds);
+    bool is_near_person(const VoxelLattice& lattice, size_t voxel) const;
     void remember_clutter(const VoxelGrid& grid, float seconds);
     void collect(const SurfacePoints& points);
     void measure(const SurfacePoints& points);
@@ -88,6 +90,9 @@ class WorkerVolume {
     std::vector<Component> components_;
     std::vector<float> clutter_s_;  ///< by voxel: seconds as part of a thing
     std::vector<uint32_t> clutter_voxels_;
+    Eigen::Vector3i blocks_ = Eigen::Vector3i::Zero();
+    std::vector<uint8_t> near_person_;  ///< by block of voxels
+    float person_seen_s_ = 0;           ///< seconds since a person was seen
     std::vector<float> heights_;
     bool started_ = false;
     int64_t last_us_ = 0;
