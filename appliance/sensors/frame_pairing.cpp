@@ -6,6 +6,11 @@
 #include <utility>
 
 namespace deixis {
+namespace {
+
+constexpr int64_t kept_us = 100'000;  // a frame older than this fills no gap
+
+}  // namespace
 
 FramePairing::FramePairing(size_t sensors, int64_t window_us) : lanes_(sensors), window_us_(window_us) {}
 
@@ -34,7 +39,8 @@ bool FramePairing::has_passed(size_t sensor, int64_t timestamp_us) const {
 void FramePairing::forget_before(size_t sensor, int64_t timestamp_us) {
     Lane& lane = lanes_[sensor];
     while (lane.count >= 2 && lane.at(1).timestamp_us <= timestamp_us) drop_front(sensor);
-    while (lane.count >= 1 && lane.at(0).timestamp_us < timestamp_us - window_us_) drop_front(sensor);
+    while (lane.count >= 1 && lane.at(0).timestamp_us < timestamp_us - std::max(window_us_, kept_us))
+        drop_front(sensor);
 }
 
 void FramePairing::take(size_t clock, Frameset& out) {
@@ -48,12 +54,13 @@ void FramePairing::take(size_t clock, Frameset& out) {
             std::abs(lane.at(1).timestamp_us - out.timestamp_us) <
                 std::abs(nearest->timestamp_us - out.timestamp_us))
             nearest = &lane.at(1);
-        if (nearest == nullptr || std::abs(nearest->timestamp_us - out.timestamp_us) > window_us_) {
+        if (nearest == nullptr) {
             out.frames[s].present = false;
-        } else {
-            out.frames[s] = *nearest;
-            out.frames[s].present = true;
+            out.frames[s].depth.millimetres.clear();
+            continue;
         }
+        out.frames[s] = *nearest;
+        out.frames[s].present = std::abs(nearest->timestamp_us - out.timestamp_us) <= window_us_;
     }
     drop_front(clock);
 }

@@ -31,7 +31,8 @@ class FramePairing {
     void forget_before(size_t sensor, int64_t timestamp_us);
 
     /// Takes the front frame of `clock` and copies it with the nearest of every other sensor (of two equally
-    /// near the earlier) into `out`; its stamp is the frameset's.
+    /// near the earlier) into `out`; its stamp is the frameset's. A nearest frame beyond the window goes
+    /// along, not present.
     void take(size_t clock, Frameset& out);
 
   private:

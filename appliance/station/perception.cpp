@@ -36,6 +36,7 @@ InvalidSettings PerceptionParams::validate() const {
 }
 
 struct Perception::Stages {
+    FrameGaps gaps;
     ForegroundModel foreground;
     SurfaceFusion surface;
     VoxelCarver carver;
@@ -48,7 +49,8 @@ struct Perception::Stages {
     tbb::task_arena arena;
 
     Stages(const WorkCell& cell, const Box& bounds, const PerceptionParams& params)
-        : foreground(cell.rig.sensors, cell.background, params.foreground),
+        : gaps(params.gaps),
+          foreground(cell.rig.sensors, cell.background, params.foreground),
           surface(cell.rig.sensors, bounds, params.surface),
           carver(cell.rig.sensors, bounds, params.carving),
           worker(params.worker),
@@ -76,20 +78,8 @@ struct Perception::Stages {
             // Most of the worker is nowhere near the part: the box spares a look into a table too large for
             // the cache.
             if ((p.array() < low).any() || (p.array() > high).any()) continue;
-            part_points[i] = is_of_part(p);
+            part_points[i] = tracker->model().distance_to_surface(p) < part_margin;
         }
-    }
-
-    /// On the skin, or behind it: a pointing hand is before the skin, what shines through from behind is the
-    /// stand, the inner side and the noise of grazing views.
-    bool is_of_part(const Eigen::Vector3f& p) const {
-        const ReferenceModel& model = tracker->model();
-        if (model.distance_to_surface(p) < part_margin) return true;
-        const uint32_t nearest = model.outer_grid().find(p);
-        if (nearest == NearestPointGrid::none) return false;
-        const SkinPoint& skin = model.fine()[nearest];
-        const Eigen::Vector3f away = p - skin.position;
-        return away.dot(skin.normal) < -0.5F * away.norm();
     }
 };
 
@@ -99,13 +89,14 @@ Perception::Perception(const WorkCell& cell, const PerceptionParams& params)
 
 Perception::~Perception() = default;
 
-Perception::Observation Perception::update(const Frameset& frameset) {
+Perception::Observation Perception::update(const Frameset& paired) {
     Stages& s = *stages_;
     Observation observation;
     FrameResult& result = observation.result;
-    result.timestamp_us = frameset.timestamp_us;
+    result.timestamp_us = paired.timestamp_us;
     Lap lap;
 
+    const Frameset& frameset = s.gaps.update(paired);
     s.foreground.update(frameset);
     const SurfacePoints& points = s.surface.update(frameset, s.foreground);
     result.stage_ms.foreground = lap();

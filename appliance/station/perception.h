@@ -11,12 +11,14 @@
 #include "tracking/part/part_tracker.h"
 #include "tracking/volume/carving.h"
 #include "tracking/volume/foreground.h"
+#include "tracking/volume/frame_gaps.h"
 #include "tracking/volume/surface_fusion.h"
 #include "tracking/volume/worker_volume.h"
 
 namespace deixis {
 
 struct PerceptionParams {
+    FrameGaps::Params gaps;
     ForegroundModel::Params foreground;
     SurfaceFusion::Params surface;
     PartTracker::Params part;
@@ -43,7 +45,7 @@ class Perception {
     ~Perception();
 
     /// Framesets with `frames` in the order of `cell.rig.sensors`.
-    Observation update(const Frameset& frameset);
+    Observation update(const Frameset& paired);
 
     /// The worker's voxels of the last frameset as centres [m], world frame.
     void worker_voxels(std::vector<Eigen::Vector3f>& centres) const;

@@ -156,6 +156,7 @@ SettingsTable settings_table(Settings& s) {
                 {{"stall_limit_ms", &s.sensors.stall_limit_ms},
                  {"pair_patience_ms", &s.sensors.pair_patience_ms},
                  {"restart_delay_ms", &s.sensors.restart_delay_ms}}),
+        section("pairing", s.perception.gaps, {{"reach_ms", &s.perception.gaps.reach_ms}}),
         foreground_section(s.perception.foreground),
         surface_section(s.perception.surface),
         carving_section(s.perception.carving),

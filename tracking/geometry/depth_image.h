@@ -1,6 +1,7 @@
 // Depth images and the frameset: what the sensors hand to the stages.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -20,8 +21,8 @@ struct DepthImage {
     }
 };
 
-/// One sensor's frame on the session clock. Buffers are reused: `present == false` means no image, whatever
-/// is in it.
+/// One sensor's frame on the session clock. Buffers are reused: `present == false` means no image of this
+/// moment, whatever is in it.
 struct DepthFrame {
     bool present = false;
     int64_t timestamp_us = 0;
@@ -30,7 +31,8 @@ struct DepthFrame {
 };
 
 /// One frame of the first sensor with the nearest of each other within 17 ms (`present` false beyond that),
-/// in the order of the depth sensors of the calibration. `timestamp_us` is the first sensor's.
+/// in the order of the depth sensors of the calibration. `timestamp_us` is the first sensor's. A frame that
+/// is not present may hold the sensor's nearest one all the same, with its stamp: see FrameGaps.
 struct Frameset {
     int64_t timestamp_us = 0;
     std::vector<DepthFrame> frames;

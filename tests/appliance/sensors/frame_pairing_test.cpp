@@ -95,6 +95,18 @@ TEST(FramePairing, TakesExactlyTheWindowAndNothingBeyond) {
     pairing.put(1, d);
     pairing.take(0, out);
     EXPECT_FALSE(out.frames[1].present);
+    EXPECT_EQ(out.frames[1].timestamp_us, 217'001);  // goes along for who can use it
+}
+
+TEST(FramePairing, ALongGoneFrameDoesNotGoAlong) {
+    FramePairing pairing(2, window_us);
+    DepthFrame old = frame_at(100'000), late = frame_at(200'001);
+    pairing.put(1, old);
+    pairing.put(0, late);
+    Frameset out;
+    pairing.take(0, out);
+    EXPECT_FALSE(out.frames[1].present);
+    EXPECT_TRUE(out.frames[1].depth.millimetres.empty());
 }
 
 TEST(FramePairing, OfTwoEquallyNearTakesTheEarlier) {
