@@ -16,26 +16,65 @@ PartSpot spot_at(const Eigen::Vector3f& position, const Eigen::Vector3f& normal,
     return spot;
 }
 
-/// The centre ray and two rings around it with Gaussian weights.
+constexpr int kRings = 6;         // of the cone, evenly spaced
+constexpr int kInnerRings = 1;    // a ray whose inner rings miss has missed
+constexpr double kInside = 0.03;  // how far behind the skin a fingertip is still likely [m]
+
+/// A ray of the cone around the aim.
 struct ConeRay {
     Eigen::Vector3d direction;
-    double weight;
+    int ring;
 };
-std::array<ConeRay, 19> cone_around(const Eigen::Vector3d& direction, double spread) {
-    std::array<ConeRay, 19> rays;
-    rays[0] = {direction, 1.0};
+
+std::array<ConeRay, 1 + 3 * kRings*(kRings + 1)> cone_around(const Eigen::Vector3d& direction,
+                                                             double half_angle) {
+    std::array<ConeRay, 1 + 3 * kRings*(kRings + 1)> rays;
+    rays[0] = {direction, 0};
     const Eigen::Vector3d across = direction.unitOrthogonal(), third = direction.cross(across);
     size_t next = 1;
-    for (int ring = 1; ring <= 2; ++ring) {
+    for (int ring = 1; ring <= kRings; ++ring) {
         const int count = 6 * ring;
+        const double off = std::tan(half_angle * ring / kRings);
         for (int k = 0; k < count; ++k) {
             const double angle = 2 * std::numbers::pi * k / count;
             const Eigen::Vector3d side = std::cos(angle) * across + std::sin(angle) * third;
-            rays[next++] = {(direction + std::tan(spread * ring) * side).normalized(),
-                            std::exp(-0.5 * ring * ring)};
+            rays[next++] = {(direction + off * side).normalized(), ring};
         }
     }
     return rays;
+}
+
+/// Minus the logarithm of how likely a spot is meant that lies `along` and `across` the ray from the
+/// fingertip.
+double unlikelihood(double along, double across, const PointingParams& params) {
+    const double spread = std::tan(params.direction_sigma_deg * std::numbers::pi / 180.0);
+    const double before = std::max(along, 0.0);
+    const double misfit = across / (params.tip_sigma_m + spread * before);
+    return 0.5 * misfit * misfit + (along >= 0 ? along / params.closeness_m : -along / kInside);
+}
+
+/// The mean of the spots in the cone, in the part frame; nothing when the ray misses.
+std::optional<Eigen::Vector3d> mean_spot(const RayCaster& surface, const Eigen::Vector3d& tip,
+                                         const Eigen::Vector3d& direction, const PointingParams& params) {
+    // The fingertip may already lie a little inside: start behind it.
+    const Eigen::Vector3d start = tip - params.touch_m * direction;
+    const auto reach = static_cast<float>(params.max_reach_m + params.touch_m);
+    const double half_angle = 2 * params.direction_sigma_deg * std::numbers::pi / 180.0;
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    double total = 0;
+    for (const ConeRay& ray : cone_around(direction, half_angle)) {
+        if (ray.ring == kInnerRings + 1 && total == 0) return std::nullopt;
+        const auto hit = surface.cast(start.cast<float>(), ray.direction.cast<float>(), 0, reach);
+        if (!hit) continue;
+        const Eigen::Vector3d spot = start + hit->distance * ray.direction;
+        const double along = (spot - tip).dot(direction);
+        const double across = (spot - tip - along * direction).norm();
+        const double weight = std::exp(-unlikelihood(along, across, params));
+        mean += weight * spot;
+        total += weight;
+    }
+    if (!(total > 0)) return std::nullopt;
+    return mean / total;
 }
 
 }  // namespace
@@ -46,7 +85,9 @@ InvalidSettings PointingParams::validate() const {
     require_range(complaints, "max_reach_m", max_reach_m, 0.05, 10);
     require_range(complaints, "touch_m", touch_m, 0, 0.2);
     require_range(complaints, "snap_m", snap_m, 0, 0.5);
-    require_range(complaints, "cone_deg", cone_deg, 0, 15);
+    require_range(complaints, "tip_sigma_m", tip_sigma_m, 0.001, 0.2);
+    require_range(complaints, "direction_sigma_deg", direction_sigma_deg, 0.1, 20);
+    require_range(complaints, "closeness_m", closeness_m, 0.01, 10);
     return complaints;
 }
 
@@ -89,27 +130,10 @@ std::optional<MeantSpot> spot_on_part(const RayCaster& surface, const RigidTrans
     const RigidTransform part_from_world = world_from_part.inverse();
     const Eigen::Vector3f o = (part_from_world * origin).cast<float>();
     const Eigen::Vector3d d = part_from_world.rotation * direction;
-    // The fingertip may already lie a little inside: start behind it.
-    const Eigen::Vector3d start = o.cast<double>() - params.touch_m * d;
-    const auto reach = static_cast<float>(params.max_reach_m + params.touch_m);
-
-    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
-    double total = 0, distance = 0;
-    const double spread = params.cone_deg * std::numbers::pi / 180.0 / 1.5;
-    for (const ConeRay& ray : cone_around(d, spread)) {
-        const auto hit = surface.cast(start.cast<float>(), ray.direction.cast<float>(), 0, reach);
-        if (!hit) continue;
-        const double beyond = hit->distance - params.touch_m;
-        const double weight = ray.weight / std::pow(0.1 + std::max(beyond, 0.0), 2);
-        mean += weight * (start + hit->distance * ray.direction);
-        distance += weight * beyond;
-        total += weight;
-    }
-    if (total > 0) {
-        const Eigen::Vector3f middle = (mean / total).cast<float>();
-        const auto nearest = surface.nearest(middle, 0.3F);
+    if (const auto mean = mean_spot(surface, o.cast<double>(), d, params)) {
+        const auto nearest = surface.nearest(mean->cast<float>(), 0.3F);
         if (!nearest) return std::nullopt;
-        distance /= total;
+        const double distance = (nearest->position - o).cast<double>().dot(d);
         return MeantSpot{spot_at(nearest->position, nearest->normal, d), distance, distance <= params.touch_m,
                          false};
     }

@@ -25,11 +25,13 @@ std::optional<FittedLine> fit_along(std::span<const Eigen::Vector3d> points, std
                                     const Eigen::Vector3d& main_axis);
 
 struct PointingParams {
-    double eye_weight = 0.35;  ///< 0 = along the forearm, 1 = from the eye through the fingertip
-    double max_reach_m = 1.2;  ///< a hit farther than this from the fingertip is none [m]
-    double touch_m = 0.05;     ///< a surface nearer than this before the fingertip is touched [m]
-    double snap_m = 0.06;      ///< a ray passing this near to the part means its nearest spot [m]
-    double cone_deg = 4.0;     ///< spread of the rays whose hits are averaged, 0 = one ray [degrees]
+    double eye_weight = 0.45;           ///< 0 = along the forearm, 1 = from the eye through the fingertip
+    double max_reach_m = 1.2;           ///< a hit farther than this from the fingertip is none [m]
+    double touch_m = 0.05;              ///< a surface nearer than this before the fingertip is touched [m]
+    double snap_m = 0.06;               ///< a ray passing this near to the part means its nearest spot [m]
+    double tip_sigma_m = 0.03;          ///< of the fingertip, across the ray [m]
+    double direction_sigma_deg = 11.5;  ///< of the ray's direction [degrees]
+    double closeness_m = 0.08;          ///< scale of the gap that workers leave before what they mean [m]
 
     InvalidSettings validate() const;
 };
@@ -45,8 +47,11 @@ struct MeantSpot {
     bool snapped = false;  ///< the ray itself missed
 };
 
-/// Where a ray of the world frame meets the part. A grazing ray is the mean of a narrow cone of rays, of
-/// which nearer hits weigh more; a near miss is the surface point nearest to the ray.
+/// The spot that a ray of the world frame means. Neither fingertip nor direction are known exactly, and on a
+/// surface that runs nearly along the ray a degree is a decimetre. So a ray that meets the part gives the
+/// mean over all spots in a cone of two standard deviations, each weighed by how well the ray explains it and
+/// by the prior that fingers come close to what they mean; a near miss gives the surface point nearest to the
+/// ray.
 std::optional<MeantSpot> spot_on_part(const RayCaster& surface, const RigidTransform& world_from_part,
                                       const Eigen::Vector3d& origin, const Eigen::Vector3d& direction,
                                       const PointingParams& params);
