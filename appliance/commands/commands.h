@@ -11,6 +11,7 @@ void add_doctor_command(CLI::App& app);
 void add_export_command(CLI::App& app);
 void add_import_command(CLI::App& app);
 void add_mend_command(CLI::App& app);
+void add_model_reader_command(CLI::App& app);
 void add_part_command(CLI::App& app);
 void add_plc_command(CLI::App& app);
 void add_replay_command(CLI::App& app);

@@ -47,10 +47,10 @@ fs::path openni_folder(const fs::path& driver_folder) {
     return {};
 }
 
-void check_part(DoctorReport& report, const fs::path& file) {
+void check_part(DoctorReport& report, const fs::path& file, const ModelReader& reader) {
     const auto part = read_part_file(file);
     if (!part) return report.fail("part", part.error().sentence, "mend the file that the sentence names");
-    const auto mesh = load_mesh(part->model, part->metres_per_unit);
+    const auto mesh = load_mesh(part->model, part->metres_per_unit, reader);
     if (!mesh) return report.fail("part", mesh.error().sentence, "compare with `deixis part info`");
     report.ok("part", part->type + ", serial " + part->serial + ", " +
                           std::to_string(mesh->triangles.size()) + " triangles, " +
@@ -140,7 +140,7 @@ void check_usb(DoctorReport& report, const fs::path& sysfs, const fs::path& devi
                     "none needed");
 }
 
-void check_session(DoctorReport& report, const fs::path& folder) {
+void check_session(DoctorReport& report, const fs::path& folder, const ModelReader& reader) {
     const auto session = open_session(folder);
     if (!session)
         return report.fail("session", session.error().sentence,
@@ -152,20 +152,20 @@ void check_session(DoctorReport& report, const fs::path& folder) {
     report.ok("session", session->name + ": " + streams + ", checksums right");
     for (const std::string& warning : session->warnings)
         report.warn("session", warning, "mend session.toml; what it names is used as it stands");
-    if (session->part) check_part(report, *session->part);
+    if (session->part) check_part(report, *session->part, reader);
     if (session->settings)
         if (const auto settings = read_settings(*session->settings); !settings)
             report.fail("session", settings.error().sentence, "mend the settings.toml of the session");
 }
 
-void check_station_files(DoctorReport& report, const StationFiles& files) {
+void check_station_files(DoctorReport& report, const StationFiles& files, const ModelReader& reader) {
     if (files.calibration.empty())
         report.warn("calibration", "station.calibration is not set", "needed for live operation only");
     else if (const auto calibration = read_calibration(files.calibration); !calibration)
         report.fail("calibration", calibration.error().sentence, "calibrate the cell or mend the file");
     else
         report.ok("calibration", files.calibration);
-    if (!files.part.empty()) check_part(report, files.part);
+    if (!files.part.empty()) check_part(report, files.part, reader);
     std::error_code trouble;
     if (!files.background.empty() && !fs::is_directory(files.background, trouble))
         report.fail("background", files.background + " is not a folder", "check station.background");

@@ -18,10 +18,10 @@ void check_usb(DoctorReport& report, const std::filesystem::path& sysfs,
                const std::filesystem::path& devices);
 
 /// A session folder: manifest, streams with checksums, calibration, part and its model.
-void check_session(DoctorReport& report, const std::filesystem::path& folder);
+void check_session(DoctorReport& report, const std::filesystem::path& folder, const ModelReader& reader);
 
 /// The files that settings.toml names for a live station.
-void check_station_files(DoctorReport& report, const StationFiles& files);
+void check_station_files(DoctorReport& report, const StationFiles& files, const ModelReader& reader);
 
 /// Opens, whole, write-ahead log, writable. A record that is not there yet is no fault if it can be made.
 void check_record(DoctorReport& report, const std::filesystem::path& file);

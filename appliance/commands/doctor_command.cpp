@@ -34,10 +34,11 @@ DoctorReport examine(const DoctorOptions& options) {
     report.ok("versions", std::string("deixis ") + DEIXIS_VERSION + ", " + DefectLedger::library_version() +
                               ", " + PlcLink::library_version() + ", glibc " + gnu_get_libc_version());
     const Settings settings = settings_of(report, options.settings);
+    const ModelReader reader = {program_path(), settings.model};
     check_drivers(report, settings.station.driver_folder);
     check_usb(report, "/sys", "/dev");
-    if (!options.session.empty()) check_session(report, options.session);
-    if (!options.settings.empty()) check_station_files(report, settings.station);
+    if (!options.session.empty()) check_session(report, options.session, reader);
+    if (!options.settings.empty()) check_station_files(report, settings.station, reader);
     const std::filesystem::path database =
         options.database.empty() ? settings.station.database : options.database;
     check_record(report, database);

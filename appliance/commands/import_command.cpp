@@ -6,6 +6,8 @@
 #include <string>
 
 #include "appliance/commands/commands.h"
+#include "appliance/commands/program_path.h"
+#include "appliance/parts/model_reader.h"
 #include "appliance/parts/part_model.h"
 #include "appliance/sessions/import_frames.h"
 #include "appliance/sessions/session_writer.h"
@@ -40,7 +42,7 @@ void check_part(const std::filesystem::path& part_toml) {
     const Result<PartFile> part = read_part_file(part_toml);
     if (!part) refuse(part.error());
     for (const std::string& warning : part->warnings) std::fprintf(stderr, "%s\n", warning.c_str());
-    if (const Result<SurfaceMesh> mesh = load_mesh(part->model, part->metres_per_unit); !mesh)
+    if (const auto mesh = load_mesh(part->model, part->metres_per_unit, {program_path()}); !mesh)
         refuse(mesh.error());
 }
 

@@ -16,6 +16,7 @@ int main(int argc, char** argv) {
     deixis::add_simulate_command(app);
     deixis::add_import_command(app);
     deixis::add_mend_command(app);
+    deixis::add_model_reader_command(app);
     deixis::add_part_command(app);
     deixis::add_doctor_command(app);
     deixis::add_export_command(app);

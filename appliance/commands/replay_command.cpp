@@ -94,7 +94,8 @@ Result<void> replay(const ReplayOptions& options) {
     auto settings = settings_of(options.session);
     if (!settings) return tl::unexpected(settings.error());
     if (options.threads > 0) settings->perception.threads = options.threads;
-    auto cell = work_cell_of_session(options.session, settings->reference, progress);
+    auto cell = work_cell_of_session(options.session, settings->reference, {program_path(), settings->model},
+                                     progress);
     if (!cell) return tl::unexpected(cell.error());
     for (const std::string& warning : cell->warnings)
         std::cerr << "deixis replay: warning: " << warning << '\n';

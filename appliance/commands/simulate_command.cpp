@@ -11,6 +11,8 @@
 
 #include "appliance/calibration/calibration_file.h"
 #include "appliance/commands/commands.h"
+#include "appliance/commands/program_path.h"
+#include "appliance/parts/model_reader.h"
 #include "appliance/parts/part_model.h"
 #include "appliance/parts/sample_bumper.h"
 #include "appliance/sessions/depth_png.h"
@@ -277,7 +279,7 @@ Result<void> simulate(const SimulateOptions& options) {
         auto prepared = prepare_part(scenario->part, passing.path());
         if (!prepared) return tl::unexpected(prepared.error());
         model = *prepared;
-        auto loaded = load_mesh(model, scenario->part.units == "m" ? 1.0 : 0.001);
+        auto loaded = load_mesh(model, scenario->part.units == "m" ? 1.0 : 0.001, {program_path()});
         if (!loaded) return tl::unexpected(loaded.error());
         mesh = std::move(*loaded);
     }

@@ -49,9 +49,10 @@ Result<Settings> settings_of(const StationOptions& options) {
 }
 
 Result<WorkCell> cell_of(const StationOptions& options, const Settings& settings) {
+    const ModelReader reader = {program_path(), settings.model};
     if (!options.session.empty())
         return work_cell_of_session(
-            options.session, settings.reference, [](const std::string& what, double share) {
+            options.session, settings.reference, reader, [](const std::string& what, double share) {
                 std::cout << "PROGRESS " << what << ' ' << static_cast<int>(100 * share) << " %\n"
                           << std::flush;
             });
@@ -60,7 +61,7 @@ Result<WorkCell> cell_of(const StationOptions& options, const Settings& settings
             "neither a session nor a calibration is named, expected SESSION, --calibration FILE or "
             "station.calibration in the settings");
     return work_cell_of_files(settings.station.calibration, settings.station.part,
-                              settings.station.background, settings.reference);
+                              settings.station.background, settings.reference, reader);
 }
 
 Result<std::unique_ptr<ScreenLink>> screen_of(const Settings& settings, const WorkCell& cell) {

@@ -161,6 +161,8 @@ SettingsTable settings_table(Settings& s) {
         surface_section(s.perception.surface),
         carving_section(s.perception.carving),
         worker_section(s.perception.worker),
+        section("model", s.model,
+                {{"time_limit_s", &s.model.time_limit_s}, {"memory_limit_mb", &s.model.memory_limit_mb}}),
         reference_section(s.reference),
         part_section(s.perception.part),
         section("perception", s.perception,

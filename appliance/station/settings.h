@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "appliance/parts/model_reader.h"
 #include "appliance/plc/plc_link.h"
 #include "appliance/records/mark_recorder.h"
 #include "appliance/station/perception.h"
@@ -44,6 +45,7 @@ struct Settings {
     StationFiles station;
     SensorSettings sensors;
     PerceptionParams perception;
+    ModelReaderParams model;
     ReferenceModelParams reference;
     LedgerParams ledger;
     MarkRecorderParams recorder;

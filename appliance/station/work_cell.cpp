@@ -17,12 +17,12 @@ namespace {
 constexpr int64_t learning_images = 120;
 
 Result<std::optional<KnownPart>> load_part(const std::filesystem::path& part_toml,
-                                           const ReferenceModelParams& reference,
+                                           const ReferenceModelParams& reference, const ModelReader& reader,
                                            std::vector<std::string>& warnings) {
     auto file = read_part_file(part_toml);
     if (!file) return tl::unexpected(file.error());
     warnings.insert(warnings.end(), file->warnings.begin(), file->warnings.end());
-    auto mesh = load_mesh(file->model, file->metres_per_unit);
+    auto mesh = load_mesh(file->model, file->metres_per_unit, reader);
     if (!mesh) return tl::unexpected(mesh.error());
     auto model = ReferenceModel::build(*mesh, reference);
     if (!model) return fail(file->model.string() + ": " + model.error().sentence);
@@ -71,7 +71,8 @@ SensorSpec spec_of(const CalibratedSensor& sensor) {
 }  // namespace
 
 Result<WorkCell> work_cell_of_session(const std::filesystem::path& folder,
-                                      const ReferenceModelParams& reference, const Progress& progress) {
+                                      const ReferenceModelParams& reference, const ModelReader& reader,
+                                      const Progress& progress) {
     auto session = open_session(folder);
     if (!session) return tl::unexpected(session.error());
     WorkCell cell;
@@ -101,7 +102,7 @@ Result<WorkCell> work_cell_of_session(const std::filesystem::path& folder,
     cell.background = std::move(*background);
     if (auto learned = learn_background(cell, progress); !learned) return tl::unexpected(learned.error());
     if (session->part) {
-        auto part = load_part(*session->part, reference, cell.warnings);
+        auto part = load_part(*session->part, reference, reader, cell.warnings);
         if (!part) return tl::unexpected(part.error());
         cell.part = std::move(*part);
     }
@@ -111,7 +112,7 @@ Result<WorkCell> work_cell_of_session(const std::filesystem::path& folder,
 Result<WorkCell> work_cell_of_files(const std::filesystem::path& calibration,
                                     const std::filesystem::path& part_file,
                                     const std::filesystem::path& background_folder,
-                                    const ReferenceModelParams& reference) {
+                                    const ReferenceModelParams& reference, const ModelReader& reader) {
     auto file = read_calibration(calibration);
     if (!file) return tl::unexpected(file.error());
     WorkCell cell;
@@ -136,7 +137,7 @@ Result<WorkCell> work_cell_of_files(const std::filesystem::path& calibration,
         cell.background.emplace_back(std::move(*depth));
     }
     if (!part_file.empty()) {
-        auto part = load_part(part_file, reference, cell.warnings);
+        auto part = load_part(part_file, reference, reader, cell.warnings);
         if (!part) return tl::unexpected(part.error());
         cell.part = std::move(*part);
     }

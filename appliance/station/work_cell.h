@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "appliance/parts/model_reader.h"
 #include "appliance/parts/part_model.h"
 #include "appliance/sensors/frame_source.h"
 #include "tracking/geometry/depth_image.h"
@@ -42,7 +43,8 @@ using Progress = std::function<void(const std::string& what, double share)>;
 /// From a session folder. Without a background in it, one is learned from its own frames (formats.md).
 /// Refuses what `open_session`, `read_part_file` and `load_mesh` refuse, and a session without depth stream.
 Result<WorkCell> work_cell_of_session(const std::filesystem::path& folder,
-                                      const ReferenceModelParams& reference, const Progress& progress);
+                                      const ReferenceModelParams& reference, const ModelReader& reader,
+                                      const Progress& progress);
 
 /// From files, for live sensors: each depth sensor's `uri` in the calibration names its device; `part_file`
 /// and `background_folder` may be empty. A missing background image is a warning: all that is seen is then
@@ -50,6 +52,6 @@ Result<WorkCell> work_cell_of_session(const std::filesystem::path& folder,
 Result<WorkCell> work_cell_of_files(const std::filesystem::path& calibration,
                                     const std::filesystem::path& part_file,
                                     const std::filesystem::path& background_folder,
-                                    const ReferenceModelParams& reference);
+                                    const ReferenceModelParams& reference, const ModelReader& reader);
 
 }  // namespace deixis

@@ -4,7 +4,7 @@
 #include <fstream>
 #include <iostream>
 
-#include "appliance/parts/part_model.h"
+#include "appliance/parts/model_file.h"
 
 namespace {
 
@@ -19,7 +19,7 @@ int main(int argc, char** argv) {
         std::cerr << "usage: stl_of_sample MODEL.step OUT.stl\n";
         return 2;
     }
-    const auto mesh = deixis::load_mesh(argv[1], 0.001);
+    const auto mesh = deixis::read_model_file(argv[1], 0.001);
     if (!mesh) {
         std::cerr << mesh.error().sentence << '\n';
         return 1;

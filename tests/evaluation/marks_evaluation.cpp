@@ -4,6 +4,7 @@
 #include <memory>
 
 #include "appliance/acceptance/acceptance_report.h"
+#include "appliance/parts/model_file.h"
 #include "appliance/parts/part_model.h"
 #include "tests/evaluation/evaluations.h"
 
@@ -31,7 +32,7 @@ std::optional<Box> part_box_of(const std::filesystem::path& session) {
     const std::filesystem::path file = session / "part.toml";
     if (session.empty() || !std::filesystem::exists(file)) return std::nullopt;
     const PartFile part = value_or_refuse(read_part_file(file));
-    const SurfaceMesh mesh = value_or_refuse(load_mesh(part.model, part.metres_per_unit));
+    const SurfaceMesh mesh = value_or_refuse(read_model_file(part.model, part.metres_per_unit));
     const MeshBounds bounds = bounds_of(mesh);
     return Box{bounds.min.cast<double>(), bounds.max.cast<double>()};
 }

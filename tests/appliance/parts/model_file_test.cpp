@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 #include <BRepPrimAPI_MakeBox.hxx>
+#include <Eigen/Geometry>
 #include <IGESControl_Writer.hxx>
 #include <STEPControl_Writer.hxx>
 #include <TopoDS_Shape.hxx>
@@ -14,7 +15,7 @@
 #include <limits>
 #include <string>
 
-#include "appliance/parts/part_model.h"
+#include "appliance/parts/model_file.h"
 
 namespace deixis {
 namespace {
@@ -37,7 +38,7 @@ class ModelFileTest : public testing::Test {
         return folder_ / name;
     }
     std::string refusal(const std::string& name, const std::string& bytes, double unit = 0.001) {
-        const auto mesh = load_mesh(written(name, bytes), unit);
+        const auto mesh = read_model_file(written(name, bytes), unit);
         return mesh ? "accepted" : mesh.error().sentence;
     }
 
@@ -80,18 +81,18 @@ void expect_metre_corner(const SurfaceMesh& mesh) {
 TEST_F(ModelFileTest, MeshFormatsKeepAxesAndObeyUnits) {
     for (const auto& [name, text] :
          {std::pair{"t.ply", ply}, {"t.obj", obj}, {"t.stl", stl}, {"T.STL", stl}}) {
-        const auto mesh = load_mesh(written(name, text), 0.001);
+        const auto mesh = read_model_file(written(name, text), 0.001);
         ASSERT_TRUE(mesh) << mesh.error().sentence;
         expect_metre_corner(*mesh);
     }
-    const auto large = load_mesh(folder_ / "t.ply", 0.01);
+    const auto large = read_model_file(folder_ / "t.ply", 0.01);
     ASSERT_TRUE(large);
     EXPECT_NEAR(bounds_of(*large).max.x(), 10, 1e-5);
     EXPECT_EQ(large->triangles.size(), 4U);
 }
 
 TEST_F(ModelFileTest, PolygonsBecomeTrianglesAndGroupsAreJoined) {
-    const auto mesh = load_mesh(
+    const auto mesh = read_model_file(
         written(
             "q.obj",
             "o a\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 4\no b\nv 0 0 1\nv 1 0 1\nv 1 1 1\nf 5 6 7\n"),
@@ -99,7 +100,7 @@ TEST_F(ModelFileTest, PolygonsBecomeTrianglesAndGroupsAreJoined) {
     ASSERT_TRUE(mesh) << mesh.error().sentence;
     EXPECT_EQ(mesh->triangles.size(), 3U);
     const auto mixed =
-        load_mesh(written("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nl 1 3\np 2\nf 1 2 3 4\n"), 1);
+        read_model_file(written("m.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nl 1 3\np 2\nf 1 2 3 4\n"), 1);
     ASSERT_TRUE(mixed) << mixed.error().sentence;
     EXPECT_EQ(mixed->triangles.size(), 2U) << "lines and points are left out";
     EXPECT_NEAR(bounds_of(*mesh).max.z(), 1, 1e-6);
@@ -142,8 +143,8 @@ TEST_F(ModelFileTest, CadFilesCarryTheirOwnUnit) {
     const auto step = box_file(folder_ / "b.step"), iges = box_file(folder_ / "b.igs");
     testing::internal::GetCapturedStdout();
     for (const double unit : {0.001, 1.0}) {
-        expect_box(load_mesh(step, unit));
-        expect_box(load_mesh(iges, unit));
+        expect_box(read_model_file(step, unit));
+        expect_box(read_model_file(iges, unit));
     }
     // The same numbers, declared as metres by the file: 1.7 km by its own word, 1.7 m by part.toml's.
     std::string text = text_of(step);
@@ -151,8 +152,8 @@ TEST_F(ModelFileTest, CadFilesCarryTheirOwnUnit) {
     while ((at = text.find("SI_UNIT(.MILLI.,.METRE.)", at)) != std::string::npos)
         text.replace(at, 24, "SI_UNIT($,.METRE.)");
     const auto in_metres = written("metres.STP", text);
-    expect_box(load_mesh(in_metres, 0.001));
-    const auto huge = load_mesh(in_metres, 1);
+    expect_box(read_model_file(in_metres, 0.001));
+    const auto huge = read_model_file(in_metres, 1);
     ASSERT_FALSE(huge);
     EXPECT_EQ(huge.error().sentence,
               in_metres.string() +
@@ -161,11 +162,11 @@ TEST_F(ModelFileTest, CadFilesCarryTheirOwnUnit) {
 
 TEST_F(ModelFileTest, RefusesFilesThatAreNotThere) {
     const std::string stem = folder_.string() + "/";
-    EXPECT_EQ(load_mesh(stem + "none.stl", 0.001).error().sentence,
+    EXPECT_EQ(read_model_file(stem + "none.stl", 0.001).error().sentence,
               stem + "none.stl: there is no such model file.");
-    EXPECT_EQ(load_mesh(stem + "none.step", 0.001).error().sentence,
+    EXPECT_EQ(read_model_file(stem + "none.step", 0.001).error().sentence,
               stem + "none.step: there is no such model file.");
-    EXPECT_EQ(load_mesh(folder_, 0.001).error().sentence,
+    EXPECT_EQ(read_model_file(folder_, 0.001).error().sentence,
               folder_.string() + ": unknown kind of model \"\", expected STEP, IGES, STL, OBJ or PLY.");
     EXPECT_EQ(refusal("x.fbx", "abc"),
               stem + "x.fbx: unknown kind of model \".fbx\", expected STEP, IGES, STL, OBJ or PLY.");

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "appliance/parts/part_model.h"
+#include "appliance/parts/model_file.h"
 #include "tracking/geometry/ray_caster.h"
 
 namespace deixis {
@@ -19,7 +19,7 @@ SurfaceMesh fresh_bumper(SampleBumper variant) {
         std::filesystem::temp_directory_path() / ("deixis-bumper-" + std::to_string(::getpid()) + ".step");
     const auto done = write_sample_bumper(variant, file);
     EXPECT_TRUE(done) << done.error().sentence;
-    auto mesh = load_mesh(file, 0.001);
+    auto mesh = read_model_file(file, 0.001);
     EXPECT_TRUE(mesh) << mesh.error().sentence;
     std::filesystem::remove(file);
     return mesh ? *mesh : SurfaceMesh{};

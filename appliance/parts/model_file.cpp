@@ -1,5 +1,7 @@
 // A part's model file of any supported kind as checked triangles in metres: CAD through Open CASCADE, meshes
 // through Assimp.
+#include "appliance/parts/model_file.h"
+
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
@@ -14,7 +16,6 @@
 #include <string>
 
 #include "appliance/parts/cad_file.h"
-#include "appliance/parts/part_model.h"
 
 namespace Assimp {
 
@@ -33,7 +34,6 @@ namespace {
 
 constexpr double smallest_part = 0.01, largest_part = 20;      // [m]
 constexpr std::uintmax_t largest_file = 512ULL * 1024 * 1024;  // [byte]
-constexpr size_t most_triangles = 8'000'000;
 
 std::string lower_extension(const std::filesystem::path& file) {
     std::string extension = file.extension().string();
@@ -93,13 +93,21 @@ std::string length_text(double metres) {
     return text;
 }
 
-/// Refuses triangles that are none, not finite, or of a size that no part has.
-Result<SurfaceMesh> checked(SurfaceMesh mesh, const std::filesystem::path& file) {
-    const std::string name = file.string();
+}  // namespace
+
+Result<SurfaceMesh> checked_mesh(SurfaceMesh mesh, const std::filesystem::path& model) {
+    const std::string name = model.string();
     if (mesh.triangles.empty()) return fail(name + ": the file holds no triangle, expected a surface.");
     if (mesh.triangles.size() > most_triangles)
         return fail(name + ": the file holds " + std::to_string(mesh.triangles.size()) +
                     " triangles, expected at most " + std::to_string(most_triangles) + ".");
+    if (mesh.vertices.size() > most_vertices)
+        return fail(name + ": the file holds " + std::to_string(mesh.vertices.size()) +
+                    " vertices, expected at most " + std::to_string(most_vertices) + ".");
+    for (const auto& [a, b, c] : mesh.triangles)
+        if (std::max({a, b, c}) >= mesh.vertices.size())
+            return fail(name + ": a triangle has a corner " + std::to_string(std::max({a, b, c})) + " of " +
+                        std::to_string(mesh.vertices.size()) + " vertices.");
     for (size_t i = 0; i < mesh.vertices.size(); ++i)
         if (!mesh.vertices[i].allFinite())
             return fail(name + ": vertex " + std::to_string(i) + " is not a finite number.");
@@ -110,9 +118,7 @@ Result<SurfaceMesh> checked(SurfaceMesh mesh, const std::filesystem::path& file)
     return mesh;
 }
 
-}  // namespace
-
-Result<SurfaceMesh> load_mesh(const std::filesystem::path& model, double metres_per_unit) {
+Result<SurfaceMesh> read_model_file(const std::filesystem::path& model, double metres_per_unit) {
     const std::string name = model.string(), extension = lower_extension(model);
     const bool step = extension == ".step" || extension == ".stp",
                iges = extension == ".iges" || extension == ".igs";
@@ -133,7 +139,7 @@ Result<SurfaceMesh> load_mesh(const std::filesystem::path& model, double metres_
         Result<SurfaceMesh> mesh = read_mesh_file(model);
         if (!mesh) return mesh;
         scale(*mesh, metres_per_unit);
-        return checked(std::move(*mesh), model);
+        return checked_mesh(std::move(*mesh), model);
     }
     Result<SurfaceMesh> mesh = read_cad_file(model, iges);
     if (!mesh) return mesh;
@@ -143,7 +149,7 @@ Result<SurfaceMesh> load_mesh(const std::filesystem::path& model, double metres_
     const double size = longest_side(*mesh);
     if (size < smallest_part && metres_per_unit == 1) scale(*mesh, 1e3);
     if (size > largest_part && metres_per_unit == 1e-3) scale(*mesh, 1e-3);
-    return checked(std::move(*mesh), model);
+    return checked_mesh(std::move(*mesh), model);
 }
 
 }  // namespace deixis
