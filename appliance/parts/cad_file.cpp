@@ -7,10 +7,13 @@
 #include <Bnd_Box.hxx>
 #include <IFSelect_ReturnStatus.hxx>
 #include <IGESControl_Reader.hxx>
+#include <Interface_InterfaceModel.hxx>
 #include <Interface_Static.hxx>
 #include <Poly_Triangulation.hxx>
 #include <STEPControl_Reader.hxx>
 #include <Standard_Failure.hxx>
+#include <StepRepr_RepresentationItem.hxx>
+#include <TCollection_HAsciiString.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopLoc_Location.hxx>
 #include <TopoDS.hxx>
@@ -59,10 +62,25 @@ Result<SurfaceMesh> meshed(const TopoDS_Shape& shape, const std::string& name) {
     return mesh;
 }
 
+/// Open CASCADE 7.6 reads through null pointers where a point, face or the like did not load whole. What is
+/// damaged elsewhere (names, colours, notes) does not matter to the surface.
+Result<void> shapes_are_whole(const Handle(Interface_InterfaceModel) & model, const std::string& name) {
+    for (int i = 1; i <= model->NbEntities(); ++i) {
+        if (!model->IsErrorEntity(i)) continue;
+        const Handle(Standard_Transient)& entity = model->Value(i);
+        if (entity.IsNull() || !entity->IsKind(STANDARD_TYPE(StepRepr_RepresentationItem))) continue;
+        return fail(name + ": the entity " + model->StringLabel(entity)->ToCString() + " (" +
+                    entity->DynamicType()->Name() + ") is damaged or names one that is not there.");
+    }
+    return {};
+}
+
 template <class Reader>
 Result<SurfaceMesh> read_with(Reader& reader, const std::filesystem::path& file, const char* kind) {
     if (reader.ReadFile(file.c_str()) != IFSelect_RetDone)
         return fail(file.string() + ": this is not a readable " + kind + " file.");
+    if (const auto whole = shapes_are_whole(reader.Model(), file.string()); !whole)
+        return tl::unexpected(whole.error());
     Interface_Static::SetCVal("xstep.cascade.unit", "MM");
     if (reader.NbRootsForTransfer() < 1 || reader.TransferRoots() < 1)
         return fail(file.string() + ": the " + kind + " file holds no shape.");

@@ -12,10 +12,13 @@
 #include <cmath>
 #include <cstdio>
 #include <exception>
+#include <fstream>
+#include <iterator>
 #include <stdexcept>
 #include <string>
 
 #include "appliance/parts/cad_file.h"
+#include "appliance/parts/ply_check.h"
 
 namespace Assimp {
 
@@ -135,6 +138,11 @@ Result<SurfaceMesh> read_model_file(const std::filesystem::path& model, double m
     if (error || bytes == 0) return fail(name + ": the model file is empty.");
     if (bytes > largest_file) return fail(name + ": the model file is larger than 512 MB.");
 
+    if (extension == ".ply") {
+        std::ifstream in(model, std::ios::binary);
+        const std::string text{std::istreambuf_iterator<char>(in), {}};
+        if (const auto sound = check_ply(text, name); !sound) return tl::unexpected(sound.error());
+    }
     if (mesh_format) {
         Result<SurfaceMesh> mesh = read_mesh_file(model);
         if (!mesh) return mesh;
