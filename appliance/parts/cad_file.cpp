@@ -5,27 +5,35 @@
 #include <BRepMesh_IncrementalMesh.hxx>
 #include <BRep_Tool.hxx>
 #include <Bnd_Box.hxx>
-#include <IFSelect_ReturnStatus.hxx>
+#include <IFSelect_WorkLibrary.hxx>
 #include <IGESControl_Reader.hxx>
 #include <Interface_InterfaceModel.hxx>
+#include <Interface_Protocol.hxx>
 #include <Interface_Static.hxx>
 #include <Poly_Triangulation.hxx>
 #include <STEPControl_Reader.hxx>
 #include <Standard_Failure.hxx>
-#include <StepRepr_RepresentationItem.hxx>
 #include <TCollection_HAsciiString.hxx>
 #include <TopExp_Explorer.hxx>
 #include <TopLoc_Location.hxx>
 #include <TopoDS.hxx>
 #include <TopoDS_Face.hxx>
+#include <XSControl_WorkSession.hxx>
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <exception>
 #include <string>
+#include <string_view>
 
 #include "appliance/parts/quiet_occt.h"
 
 namespace deixis {
 namespace {
+
+/// Beginnings of Open CASCADE's names of entities that a surface is made of.
+constexpr std::array<std::string_view, 5> shape_kinds = {"StepGeom_", "StepShape_", "StepRepr_", "StepBasic_",
+                                                         "IGES"};
 
 void append_face(SurfaceMesh& mesh, const TopoDS_Face& face) {
     TopLoc_Location location;
@@ -63,24 +71,38 @@ Result<SurfaceMesh> meshed(const TopoDS_Shape& shape, const std::string& name) {
 }
 
 /// Open CASCADE 7.6 reads through null pointers where a point, face or the like did not load whole. What is
-/// damaged elsewhere (names, colours, notes) does not matter to the surface.
-Result<void> shapes_are_whole(const Handle(Interface_InterfaceModel) & model, const std::string& name) {
-    for (int i = 1; i <= model->NbEntities(); ++i) {
-        if (!model->IsErrorEntity(i)) continue;
-        const Handle(Standard_Transient)& entity = model->Value(i);
-        if (entity.IsNull() || !entity->IsKind(STANDARD_TYPE(StepRepr_RepresentationItem))) continue;
-        return fail(name + ": the entity " + model->StringLabel(entity)->ToCString() + " (" +
-                    entity->DynamicType()->Name() + ") is damaged or names one that is not there.");
+/// damaged elsewhere (colours, notes, tolerances) does not matter to the surface.
+Result<void> shapes_are_whole(const Interface_InterfaceModel& model, const std::string& name) {
+    for (int i = 1; i <= model.NbEntities(); ++i) {
+        if (!model.IsErrorEntity(i)) continue;
+        const Handle(Standard_Transient)& entity = model.Value(i);
+        const std::string kind = entity.IsNull() ? "" : entity->DynamicType()->Name();
+        const bool matters =
+            std::any_of(shape_kinds.begin(), shape_kinds.end(),
+                        [&](const std::string_view& shapes) { return kind.starts_with(shapes); });
+        if (matters)
+            return fail(name + ": the entity " + model.StringLabel(entity)->ToCString() + " (" + kind +
+                        ") is damaged or names one that is not there.");
     }
+    return {};
+}
+
+/// What the reader's own ReadFile does, with a look at the entities before its checks touch them.
+Result<void> load_model(XSControl_Reader& reader, const std::filesystem::path& file, const char* kind) {
+    const Handle(XSControl_WorkSession) session = reader.WS();
+    Handle(Interface_InterfaceModel) model;
+    if (session->WorkLibrary()->ReadFile(file.c_str(), model, session->Protocol()) != 0 || model.IsNull())
+        return fail(file.string() + ": this is not a readable " + kind + " file.");
+    if (auto whole = shapes_are_whole(*model, file.string()); !whole) return whole;
+    session->SetModel(model);
+    session->SetLoadedFile(file.c_str());
+    session->InitTransferReader(4);
     return {};
 }
 
 template <class Reader>
 Result<SurfaceMesh> read_with(Reader& reader, const std::filesystem::path& file, const char* kind) {
-    if (reader.ReadFile(file.c_str()) != IFSelect_RetDone)
-        return fail(file.string() + ": this is not a readable " + kind + " file.");
-    if (const auto whole = shapes_are_whole(reader.Model(), file.string()); !whole)
-        return tl::unexpected(whole.error());
+    if (const auto loaded = load_model(reader, file, kind); !loaded) return tl::unexpected(loaded.error());
     Interface_Static::SetCVal("xstep.cascade.unit", "MM");
     if (reader.NbRootsForTransfer() < 1 || reader.TransferRoots() < 1)
         return fail(file.string() + ": the " + kind + " file holds no shape.");

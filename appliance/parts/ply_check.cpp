@@ -97,7 +97,7 @@ bool take_property(std::string_view line, Header& header) {
     }
     const auto type = type_named(word);
     property.name = next_word(line);
-    if (!type || property.name.empty()) return false;
+    if (!type || property.name.empty() || !next_word(line).empty()) return false;
     property.type = *type;
     header.elements.back().properties.push_back(property);
     return true;
@@ -117,7 +117,8 @@ bool take_header_line(std::string_view line, Header& header) {
     if (key != "element") return false;
     Element element;
     element.name = next_word(line);
-    if (element.name.empty() || !parse(next_word(line), element.count)) return false;
+    if (element.name.empty() || !parse(next_word(line), element.count) || !next_word(line).empty())
+        return false;
     if (element.name == "vertex") header.vertices = element.count;
     header.elements.push_back(std::move(element));
     return true;
@@ -157,11 +158,22 @@ class Values {
   public:
     Values(std::string_view data, Encoding encoding) : data_(data), encoding_(encoding) {}
 
+    /// Each element of a text stands in a line of its own: readers go by lines.
+    void begin_element() {
+        if (encoding_ != Encoding::text) return;
+        do {
+            data_.remove_prefix(std::min(data_.size(), data_.find_first_not_of("\r\n")));
+            const size_t end = std::min(data_.size(), data_.find_first_of("\r\n"));
+            line_ = data_.substr(0, end);
+            data_.remove_prefix(end);
+        } while (!data_.empty() && line_.find_first_not_of(" \t\v\f") == std::string_view::npos);
+    }
+
     /// The next whole number; nullopt when the data ends before it or holds something else.
     std::optional<int64_t> whole(Type type) {
         int64_t value = 0;
         if (encoding_ == Encoding::text) {
-            if (!parse(next_word(data_), value)) return std::nullopt;
+            if (!parse(next_word(line_), value)) return std::nullopt;
             return value;
         }
         if (data_.size() < type.size) return std::nullopt;
@@ -179,7 +191,7 @@ class Values {
     bool skip(Type type) {
         if (encoding_ == Encoding::text) {
             double value = 0;
-            return parse(next_word(data_), value);
+            return parse(next_word(line_), value);
         }
         if (data_.size() < type.size) return false;
         data_.remove_prefix(type.size);
@@ -187,7 +199,7 @@ class Values {
     }
 
   private:
-    std::string_view data_;
+    std::string_view data_, line_;
     Encoding encoding_;
 };
 
@@ -210,6 +222,7 @@ Finding walk_list(Values& values, const Property& property, uint64_t vertices) {
 }
 
 Finding walk_one(Values& values, const Element& element, uint64_t vertices) {
+    values.begin_element();
     for (const Property& property : element.properties) {
         if (!property.length) {
             if (!values.skip(property.type)) return Finding::cut;

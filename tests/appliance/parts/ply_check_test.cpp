@@ -57,6 +57,9 @@ TEST(PlyCheckTest, RefusesWhatDoesNotFitTheHeader) {
               "m.ply: the mesh cannot be read (vertex 1 of 3 is cut short or damaged).");
     EXPECT_EQ(complaint(header("ascii") + corners + "-3 0 1 2"),
               "m.ply: the mesh cannot be read (face 0 of 1 is cut short or damaged).");
+    // Each element has its own line: a reader that goes by lines would see other counts.
+    EXPECT_EQ(complaint(header("ascii") + "0 0 0\n5 0 0\n0 5\n0\n3 0 1 2\n"),
+              "m.ply: the mesh cannot be read (vertex 2 of 3 is cut short or damaged).");
     EXPECT_THAT(complaint("ply\nformat ascii 1.0\nelement vertex 99999999999999999999\n"),
                 HasSubstr("line 3"));
     EXPECT_THAT(complaint("ply\nformat ascii 2.0\n"), HasSubstr("line 2"));
