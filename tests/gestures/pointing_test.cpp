@@ -201,7 +201,7 @@ TEST(PointingParams, NameWhatIsOutOfRange) {
     EXPECT_TRUE(PointingParams{}.validate().empty());
     PointingParams params;
     params.eye_weight = 1.1;
-    params.cone_deg = -1;
+    params.direction_sigma_deg = 0;
     EXPECT_EQ(params.validate().size(), 2U);
 }
 
