@@ -42,7 +42,7 @@ ResultPart read_part(const JsonObject& part) {
     return out;
 }
 
-ResultPointing read_pointing(const JsonObject& pointing) {
+ResultPointing read_result_pointing(const JsonObject& pointing) {
     return {pointing.arm("arm"), pointing.vector("origin"), pointing.vector("direction"),
             pointing.vector("hit_part")};
 }
@@ -77,7 +77,7 @@ Result<Results> read_results(std::istream& in, const std::string& name) {
         line.warn_unknown({"timestamp_us", "part", "joints", "pose_energy", "pointing", "marks", "stage_ms"},
                           seen, results.warnings);
         if (const auto part = line.object("part")) frame.part = read_part(*part);
-        if (const auto pointing = line.object("pointing")) frame.pointing = read_pointing(*pointing);
+        if (const auto pointing = line.object("pointing")) frame.pointing = read_result_pointing(*pointing);
         if (const auto marks = line.objects("marks")) {
             for (const JsonObject& mark : *marks) frame.marks.push_back(read_mark(mark, ids));
         }

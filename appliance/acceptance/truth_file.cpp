@@ -23,7 +23,7 @@ constexpr std::array<std::string_view, 15> joint_names = {
 constexpr int64_t longest_gap_us = 100'000;  // between two lines that may be interpolated
 constexpr int64_t nearest_us = 17'000;       // the pairing window of formats.md
 
-TruthPointing read_pointing(const JsonObject& pointing) {
+TruthPointing read_truth_pointing(const JsonObject& pointing) {
     TruthPointing out;
     out.hold = pointing.integer("hold");
     if (out.hold && *out.hold < 1)
@@ -56,7 +56,7 @@ TruthFrame read_frame(const JsonObject& line, std::set<std::string>& seen,
         part->warn_unknown({"rotation", "translation"}, seen, warnings);
     }
     if (const auto pointing = line.object("pointing")) {
-        frame.pointing = read_pointing(*pointing);
+        frame.pointing = read_truth_pointing(*pointing);
         pointing->warn_unknown({"hold", "arm", "meant", "touch", "target_part"}, seen, warnings);
     }
     return frame;

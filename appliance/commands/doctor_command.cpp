@@ -16,7 +16,7 @@ struct DoctorOptions {
 };
 
 /// Program defaults where no file is named or the named one is refused.
-Settings settings_of(DoctorReport& report, const std::string& file) {
+Settings checked_settings(DoctorReport& report, const std::string& file) {
     if (file.empty()) return {};
     const auto read = read_settings(file);
     if (!read) {
@@ -33,7 +33,7 @@ DoctorReport examine(const DoctorOptions& options) {
     DoctorReport report;
     report.ok("versions", std::string("deixis ") + DEIXIS_VERSION + ", " + DefectLedger::library_version() +
                               ", " + PlcLink::library_version() + ", glibc " + gnu_get_libc_version());
-    const Settings settings = settings_of(report, options.settings);
+    const Settings settings = checked_settings(report, options.settings);
     const ModelReader reader = {program_path(), settings.model};
     check_drivers(report, settings.station.driver_folder);
     check_usb(report, "/sys", "/dev");

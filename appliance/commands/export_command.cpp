@@ -49,7 +49,7 @@ Result<std::string> export_text(const ExportOptions& options) {
                                    : defect_json_lines(*records, options.codes);
 }
 
-Result<void> run(const ExportOptions& options) {
+Result<void> export_defects(const ExportOptions& options) {
     const auto text = export_text(options);
     if (!text) return tl::unexpected(text.error());
     if (!options.output.empty()) return write_whole_file(options.output, *text);
@@ -84,7 +84,7 @@ void add_export_command(CLI::App& app) {
     command->add_option("--fegrp", options.codes.code_group, "QM code group")->capture_default_str();
     command->add_option("--fecod", options.codes.code, "QM code")->capture_default_str();
     command->callback([] {
-        if (const auto done = run(options); !done) {
+        if (const auto done = export_defects(options); !done) {
             std::cerr << done.error().sentence << '\n';
             throw CLI::RuntimeError(1);
         }

@@ -21,7 +21,7 @@ struct ImportArguments {
     std::string name;
 };
 
-[[noreturn]] void refuse(const Failure& failure) {
+[[noreturn]] void fail_import(const Failure& failure) {
     std::fprintf(stderr, "%s\n", failure.sentence.c_str());
     throw CLI::RuntimeError(1);
 }
@@ -36,21 +36,21 @@ std::string utc_now() {
 }
 
 /// A part that the station could not load later is refused now.
-void check_part(const std::filesystem::path& part_toml) {
+void check_part_loads(const std::filesystem::path& part_toml) {
     std::error_code error;
     if (!std::filesystem::exists(part_toml, error)) return;
     const Result<PartFile> part = read_part_file(part_toml);
-    if (!part) refuse(part.error());
+    if (!part) fail_import(part.error());
     for (const std::string& warning : part->warnings) std::fprintf(stderr, "%s\n", warning.c_str());
     if (const auto mesh = load_mesh(part->model, part->metres_per_unit, {program_path()}); !mesh)
-        refuse(mesh.error());
+        fail_import(mesh.error());
 }
 
 void run_import(const ImportArguments& arguments) {
-    check_part(std::filesystem::path(arguments.frames) / "part.toml");
+    check_part_loads(std::filesystem::path(arguments.frames) / "part.toml");
     const SessionOrigin origin = {arguments.name, utc_now(), {{"deixis", DEIXIS_VERSION}}};
     const Result<ImportReport> report = import_frames(arguments.frames, arguments.out, origin);
-    if (!report) refuse(report.error());
+    if (!report) fail_import(report.error());
     for (const std::string& warning : report->warnings) std::fprintf(stderr, "%s\n", warning.c_str());
     std::string counts;
     for (const int64_t frames : report->frames)
@@ -77,7 +77,7 @@ void add_mend_command(CLI::App& app) {
     command->add_option("FOLDER", *folder, "the OUT.recording folder that was left behind")->required();
     command->callback([folder] {
         const Result<std::filesystem::path> session = mend_session(*folder);
-        if (!session) refuse(session.error());
+        if (!session) fail_import(session.error());
         std::printf("%s\n", session->c_str());
     });
 }

@@ -12,7 +12,7 @@
 namespace deixis {
 namespace {
 
-[[noreturn]] void refuse(const std::string& sentence) {
+[[noreturn]] void fail_part(const std::string& sentence) {
     std::cerr << sentence << '\n';
     throw CLI::RuntimeError(1);
 }
@@ -20,9 +20,9 @@ namespace {
 void print_model(const std::filesystem::path& model, double metres_per_unit,
                  const ModelReaderParams& limits) {
     const auto mesh = load_mesh(model, metres_per_unit, {program_path(), limits});
-    if (!mesh) refuse(mesh.error().sentence);
+    if (!mesh) fail_part(mesh.error().sentence);
     const auto reference = ReferenceModel::build(*mesh, {});
-    if (!reference) refuse(model.string() + ": " + reference.error().sentence);
+    if (!reference) fail_part(model.string() + ": " + reference.error().sentence);
     const MeshBounds bounds = bounds_of(*mesh);
     const Eigen::IOFormat row(4, Eigen::DontAlignCols, ", ", ", ", "", "", "[", "]");
     const auto outer = std::count_if((*reference)->fine().begin(), (*reference)->fine().end(),
@@ -39,7 +39,7 @@ void print_info(const std::filesystem::path& file, const std::string& units,
                 const ModelReaderParams& limits) {
     if (file.extension() != ".toml") return print_model(file, units == "m" ? 1 : 1e-3, limits);
     const auto part = read_part_file(file);
-    if (!part) refuse(part.error().sentence);
+    if (!part) fail_part(part.error().sentence);
     for (const std::string& warning : part->warnings) std::cerr << warning << '\n';
     std::cout << "type        " << part->type << "\nserial      " << part->serial << '\n';
     print_model(part->model, part->metres_per_unit, limits);
@@ -64,7 +64,7 @@ void add_part_command(CLI::App& app) {
     sample->callback([] {
         const auto variant = options.variant == "b" ? SampleBumper::b : SampleBumper::a;
         if (const auto written = write_sample_bumper(variant, options.output); !written)
-            refuse(written.error().sentence);
+            fail_part(written.error().sentence);
     });
 
     CLI::App* info =

@@ -53,7 +53,7 @@ class FreshRecord {
 };
 
 /// The session's own settings, else the program's defaults; never those of this machine (formats.md).
-Result<Settings> settings_of(const std::filesystem::path& session) {
+Result<Settings> session_settings(const std::filesystem::path& session) {
     const std::filesystem::path own = session / "settings.toml";
     if (!std::filesystem::exists(own)) return Settings{};
     auto file = read_settings(own);
@@ -91,7 +91,7 @@ Result<void> replay(const ReplayOptions& options) {
         if (!options.quiet)
             std::cout << "PROGRESS " << what << ' ' << static_cast<int>(100 * share) << " %\n" << std::flush;
     };
-    auto settings = settings_of(options.session);
+    auto settings = session_settings(options.session);
     if (!settings) return tl::unexpected(settings.error());
     if (options.threads > 0) settings->perception.threads = options.threads;
     auto cell = work_cell_of_session(options.session, settings->reference, {program_path(), settings->model},

@@ -64,7 +64,7 @@ Result<int64_t> count_frames(const SensorOptions& options, FrameRingWriter& ring
     return summary->frames;
 }
 
-Result<void> run(const SensorOptions& options) {
+Result<void> run_sensor(const SensorOptions& options) {
     follow_parent();
     auto ring = FrameRingWriter::attach(options.ring);
     if (!ring) return fail(ring.error().sentence);
@@ -103,7 +103,7 @@ void add_sensor_command(CLI::App& app) {
     sensor->add_option("--bell", options.bell, "open file that gets a byte after each frame");
     sensor->add_flag("--quiet", options.quiet, "say what is wrong in the ring only");
     sensor->callback([] {
-        const auto done = run(options);
+        const auto done = run_sensor(options);
         if (!done && !options.quiet) std::cerr << done.error().sentence << '\n';
         std::cerr.flush();
         // No destructors of OpenNI2's drivers: some take half a second, some never return.

@@ -22,7 +22,7 @@ struct StationOptions {
     bool no_screen = false, fast = false, exit_at_end = false, print_settings = false;
 };
 
-Result<Settings> settings_of(const StationOptions& options) {
+Result<Settings> station_settings(const StationOptions& options) {
     std::filesystem::path path = options.settings;
     if (path.empty() && !options.session.empty() &&
         std::filesystem::exists(options.session / "settings.toml"))
@@ -91,8 +91,8 @@ void wait_for_plc(Station& station) {
 
 /// Turns until the end, a signal, or the time given. After the end of a session the results get their name
 /// and the screen stays until a signal.
-Result<void> run(Station& station, ScreenLink* screen, ResultsWriter* results, StationLog& log,
-                 const StationOptions& options) {
+Result<void> run_station(Station& station, ScreenLink* screen, ResultsWriter* results, StationLog& log,
+                         const StationOptions& options) {
     const auto start = std::chrono::steady_clock::now();
     bool finished = false;
     while (!stop_requested()) {
@@ -120,7 +120,7 @@ Result<void> run(Station& station, ScreenLink* screen, ResultsWriter* results, S
 }
 
 Result<void> station(const StationOptions& options) {
-    auto settings = settings_of(options);
+    auto settings = station_settings(options);
     if (!settings) return tl::unexpected(settings.error());
     auto cell = cell_of(options, *settings);
     if (!cell) return tl::unexpected(cell.error());
@@ -149,7 +149,7 @@ Result<void> station(const StationOptions& options) {
     if (*screen) std::cout << "SCREEN " << (*screen)->address() << '\n' << std::flush;
 
     StationLog log(!options.session.empty());
-    const auto ran = run(**station, screen->get(), results ? &*results : nullptr, log, options);
+    const auto ran = run_station(**station, screen->get(), results ? &*results : nullptr, log, options);
     log.summary(**station);
     for (const std::string& sentence : (*station)->stop())
         std::cerr << "deixis station: " << sentence << '\n';

@@ -12,13 +12,13 @@
 namespace deixis {
 namespace {
 
-struct ContextDeleter {
+struct ClientContextDeleter {
     void operator()(modbus_t* context) const {
         modbus_close(context);
         modbus_free(context);
     }
 };
-using Context = std::unique_ptr<modbus_t, ContextDeleter>;
+using Context = std::unique_ptr<modbus_t, ClientContextDeleter>;
 
 /// True when it is time to end.
 bool pause(int stop_event, int wait_ms) {

@@ -28,7 +28,7 @@ using std::chrono::milliseconds;
 struct MappingDeleter {
     void operator()(modbus_mapping_t* mapping) const { modbus_mapping_free(mapping); }
 };
-struct ContextDeleter {
+struct ServerContextDeleter {
     void operator()(modbus_t* context) const { modbus_free(context); }
 };
 
@@ -213,7 +213,7 @@ class ModbusServer::Sockets {
     LinkBoard& board_;
     const int listener_;
     const int port_;
-    std::unique_ptr<modbus_t, ContextDeleter> context_;
+    std::unique_ptr<modbus_t, ServerContextDeleter> context_;
     std::unique_ptr<modbus_mapping_t, MappingDeleter> mapping_;
     std::vector<Client> clients_;
     std::vector<pollfd> polled_;

@@ -11,7 +11,6 @@ namespace deixis {
 namespace {
 
 constexpr size_t largest_file = size_t{1} << 30;
-constexpr int64_t stamp_limit = int64_t{1} << 61;  // sums and differences of two stay in 64 bits
 
 std::string_view trimmed(std::string_view text) {
     const size_t begin = text.find_first_not_of(" \t\r");
@@ -78,14 +77,14 @@ Result<FrameStamps> parse_timestamps(std::string_view text, const std::string& n
         if (whole_number(frame) != static_cast<int64_t>(stamps.timestamp_us.size()))
             return refuse("frame " + std::to_string(stamps.timestamp_us.size()), frame);
         const std::optional<int64_t> timestamp_us = whole_number(stamp);
-        if (!timestamp_us || *timestamp_us > stamp_limit || *timestamp_us < -stamp_limit)
+        if (!timestamp_us || *timestamp_us > stamp_limit_us || *timestamp_us < -stamp_limit_us)
             return refuse("a whole number of microseconds", stamp);
         if (!stamps.timestamp_us.empty() && *timestamp_us <= stamps.timestamp_us.back())
             return refuse("a timestamp above " + std::to_string(stamps.timestamp_us.back()), stamp);
         stamps.timestamp_us.push_back(*timestamp_us);
         if (!with_host) continue;
         const std::optional<int64_t> host_us = whole_number(trimmed(rest));
-        if (!host_us || *host_us > stamp_limit || *host_us < -stamp_limit)
+        if (!host_us || *host_us > stamp_limit_us || *host_us < -stamp_limit_us)
             return refuse("a whole number of microseconds", trimmed(rest));
         stamps.host_us.push_back(*host_us);
     }

@@ -11,6 +11,9 @@
 
 namespace deixis {
 
+/// No stamp is larger, forwards or backwards: sums and differences of two stay in 64 bits.
+constexpr int64_t stamp_limit_us = int64_t{1} << 61;
+
 /// One entry a frame.
 struct FrameStamps {
     std::vector<int64_t> timestamp_us;  ///< strictly rising

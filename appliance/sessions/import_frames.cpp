@@ -10,6 +10,7 @@
 #include "appliance/calibration/whole_file.h"
 #include "appliance/sessions/depth_png.h"
 #include "appliance/sessions/frame_stamps.h"
+#include "appliance/sessions/session_file.h"
 
 namespace deixis {
 namespace {
@@ -17,7 +18,6 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr size_t largest_truth = size_t{1} << 30;
-constexpr size_t largest_toml = size_t{1} << 20;
 
 bool is_image_name(const std::string& name) {
     return name.size() >= 10 && name.ends_with(".png") &&

@@ -19,8 +19,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr size_t largest_toml = size_t{1} << 20;
-
 std::string stream_key(const Session& session, size_t index, const char* key) {
     return (session.folder / "session.toml").string() + ": key 'stream[" + std::to_string(index) + "]." +
            key + "'";

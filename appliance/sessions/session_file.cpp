@@ -5,11 +5,11 @@
 #include <set>
 
 #include "appliance/calibration/toml_section.h"
+#include "appliance/sessions/frame_stamps.h"
 
 namespace deixis {
 namespace {
 
-constexpr int64_t stamp_limit = int64_t{1} << 61;
 constexpr std::string_view checksum_start = "xxh3-64:";
 
 /// A file of the session folder itself: no way out of it.
@@ -39,7 +39,7 @@ SessionStream read_stream(TomlSection& section, std::set<std::string>& sensors, 
     if (!sensors.insert(stream.sensor).second)
         section.refuse("sensor", "a sensor that has no stream yet", toml_quoted(stream.sensor));
     stream.file = file_name_key(section, "file");
-    stream.start_us = section.whole_number("start_us", -stamp_limit, stamp_limit);
+    stream.start_us = section.whole_number("start_us", -stamp_limit_us, stamp_limit_us);
     if (section.has("host_times")) stream.host_times = file_name_key(section, "host_times");
     section.ignore("host_times");
     if (finished) {

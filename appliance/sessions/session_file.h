@@ -1,6 +1,7 @@
 // session.toml as text: written by the session writer, parsed by `parse_session`.
 #pragma once
 
+#include <cstddef>
 #include <map>
 #include <string>
 #include <string_view>
@@ -8,6 +9,9 @@
 #include "appliance/sessions/session.h"
 
 namespace deixis {
+
+/// A TOML file of a session that is larger is not read.
+constexpr size_t largest_toml = size_t{1} << 20;
 
 constexpr const char* session_format = "deixis-session/1";
 

@@ -25,8 +25,6 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr int64_t stamp_limit = int64_t{1} << 61;
-
 /// "a/b/" and "a/b" are the same folder.
 fs::path without_slash(const fs::path& path) {
     fs::path plain = path.lexically_normal();
@@ -139,7 +137,7 @@ struct SessionWriter::Impl {
             (working / stream_file(sensor)).string() + ": frame " + std::to_string(stream.frames);
         if (video == stream.recording.has_value())
             return fail(place + (video ? ": expected a 16 bit image" : ": expected an 8 bit image"));
-        if (timestamp_us > stamp_limit || timestamp_us < -stamp_limit)
+        if (timestamp_us > stamp_limit_us || timestamp_us < -stamp_limit_us)
             return fail(place + ": expected a timestamp within 2^61 microseconds, found " +
                         std::to_string(timestamp_us));
         if (stream.frames > 0 && timestamp_us <= stream.last_us)

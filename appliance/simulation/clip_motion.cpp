@@ -31,7 +31,7 @@ double leg_length(const ClipFrame& f) {
     return (f.joints[9] - f.joints[11]).norm() + (f.joints[11] - f.joints[13]).norm();
 }
 
-ClipFrame between(const ClipFrame& a, const ClipFrame& b, double share) {
+ClipFrame frame_between(const ClipFrame& a, const ClipFrame& b, double share) {
     ClipFrame f = a;
     for (size_t i = 0; i < f.joints.size(); ++i) f.joints[i] += share * (b.joints[i] - a.joints[i]);
     for (size_t i = 0; i < 2; ++i) {
@@ -68,7 +68,8 @@ BodyPose ClipMotion::at(double time) const {
         std::clamp(time / clip_.seconds_per_frame, 0.0, static_cast<double>(clip_.frames.size() - 1));
     const auto before = static_cast<size_t>(place);
     const size_t after = std::min(before + 1, clip_.frames.size() - 1);
-    ClipFrame f = between(clip_.frames[before], clip_.frames[after], place - static_cast<double>(before));
+    ClipFrame f =
+        frame_between(clip_.frames[before], clip_.frames[after], place - static_cast<double>(before));
     for (Vector3d& p : f.joints) p = world_from_clip_ * p;
     for (Vector3d& p : f.toes) p = world_from_clip_ * p;
     for (Vector3d& p : f.hand_ends) p = world_from_clip_ * p;

@@ -34,7 +34,7 @@ FloorPose relative_to(const FloorPose& outer, const FloorPose& pose) {
 
 namespace {
 
-FloorPose between(const FloorPose& from, const FloorPose& to, double share) {
+FloorPose pose_between(const FloorPose& from, const FloorPose& to, double share) {
     return {from.position + share * (to.position - from.position),
             wrapped_angle(from.turn + share * wrapped_angle(to.turn - from.turn))};
 }
@@ -72,9 +72,9 @@ FloorState FloorTrack::at(double t) const {
     const double raw = (t - next->t0) / (next->t1 - next->t0), share = minimum_jerk(raw);
     const Eigen::Vector2d way = next->to.position - next->from.position;
     FloorState state;
-    state.pose = next->rides ? compose(between(next->carrier_from, next->carrier_to, share),
+    state.pose = next->rides ? compose(pose_between(next->carrier_from, next->carrier_to, share),
                                        relative_to(next->carrier_from, next->from))
-                             : between(next->from, next->to, share);
+                             : pose_between(next->from, next->to, share);
     state.velocity = way * minimum_jerk_slope(raw) / (next->t1 - next->t0);
     state.distance = next->distance_before + share * way.norm();
     return state;

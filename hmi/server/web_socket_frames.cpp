@@ -11,7 +11,7 @@
 namespace deixis {
 namespace {
 
-tl::unexpected<WebSocketRefusal> refuse(uint16_t code, std::string sentence) {
+tl::unexpected<WebSocketRefusal> refuse_frame(uint16_t code, std::string sentence) {
     return tl::unexpected<WebSocketRefusal>(WebSocketRefusal{code, std::move(sentence)});
 }
 
@@ -55,15 +55,15 @@ tl::expected<std::optional<ClientFrame>, WebSocketRefusal> read_client_frame(std
     if (arrived.size() < 2) return std::nullopt;
     const auto first = static_cast<uint8_t>(arrived[0]);
     const auto second = static_cast<uint8_t>(arrived[1]);
-    if ((first & 0x70) != 0) return refuse(1002, "A frame sets a reserved bit.");
+    if ((first & 0x70) != 0) return refuse_frame(1002, "A frame sets a reserved bit.");
     const int opcode = first & 0x0F;
-    if (opcode <= 2) return refuse(1003, "The live stream takes no messages from clients.");
-    if (opcode < 8 || opcode > 10) return refuse(1002, "A frame has a reserved opcode.");
-    if ((second & 0x80) == 0) return refuse(1002, "A client frame is not masked.");
-    if ((first & 0x80) == 0) return refuse(1002, "A control frame is fragmented.");
+    if (opcode <= 2) return refuse_frame(1003, "The live stream takes no messages from clients.");
+    if (opcode < 8 || opcode > 10) return refuse_frame(1002, "A frame has a reserved opcode.");
+    if ((second & 0x80) == 0) return refuse_frame(1002, "A client frame is not masked.");
+    if ((first & 0x80) == 0) return refuse_frame(1002, "A control frame is fragmented.");
     const size_t size = second & 0x7F;
-    if (size > 125) return refuse(1002, "A control frame is longer than 125 bytes.");
-    if (opcode == 8 && size == 1) return refuse(1002, "A close frame has a body of one byte.");
+    if (size > 125) return refuse_frame(1002, "A control frame is longer than 125 bytes.");
+    if (opcode == 8 && size == 1) return refuse_frame(1002, "A close frame has a body of one byte.");
     if (arrived.size() < 6 + size) return std::nullopt;
     ClientFrame frame{static_cast<WebSocketOpcode>(opcode), std::string(arrived.substr(6, size)), 6 + size};
     for (size_t i = 0; i < size; ++i)

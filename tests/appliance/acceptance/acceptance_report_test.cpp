@@ -10,12 +10,12 @@
 namespace deixis {
 namespace {
 
-Truth truth_of(const std::string& text) {
+Truth truth_in(const std::string& text) {
     std::istringstream in(text);
     return read_truth(in, "truth").value();
 }
 
-Results results_of(const std::string& text) {
+Results results_in(const std::string& text) {
     std::istringstream in(text);
     return read_results(in, "results").value();
 }
@@ -27,12 +27,12 @@ Truth one_gesture() {
     const std::string line = std::string("\"part\": {") + upright +
                              ", \"translation\": [0,0,0]}, \"pointing\": {\"hold\": 1, \"meant\": true, "
                              "\"arm\": \"left\", \"target_part\": [0,0,0]}}\n";
-    return truth_of("{\"timestamp_us\": 0, " + line + "{\"timestamp_us\": 33333, " + line);
+    return truth_in("{\"timestamp_us\": 0, " + line + "{\"timestamp_us\": 33333, " + line);
 }
 
 /// A mark 50 mm off in the first frame; the part 3 mm off, then turned by 90 degrees.
 Results one_mark() {
-    return results_of(
+    return results_in(
         std::string("{\"timestamp_us\": 0, \"part\": {\"state\": \"tracking\", ") + upright +
         ", \"translation\": [0.003,0,0]}, \"pointing\": {\"arm\": \"left\"}, \"marks\": [{\"id\": 1, "
         "\"position_part\": [0,0.05,0]}], \"stage_ms\": {\"total\": 10}}\n"
@@ -100,7 +100,7 @@ TEST(AcceptanceReport, CriteriaWithoutDataFail) {
     expected.marks_found_min = 0.5;
     expected.part_mm_max = 10;
     const AcceptanceReport report =
-        judge_session(truth_of("{\"timestamp_us\": 0}"), results_of("{\"timestamp_us\": 0}"),
+        judge_session(truth_in("{\"timestamp_us\": 0}"), results_in("{\"timestamp_us\": 0}"),
                       {expected, false}, std::nullopt);
     EXPECT_THAT(report.failures,
                 testing::ElementsAre("marks_found_min cannot be judged: there is no data for it",

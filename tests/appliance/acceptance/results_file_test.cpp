@@ -42,12 +42,12 @@ TEST(ResultsFile, UnknownThingsAreNull) {
     EXPECT_FALSE(results->frames[0].pointing);
 }
 
-struct BadLine {
+struct BadResultLine {
     const char* line;
     const char* sentence;
 };
 
-class ResultsFileRefuses : public testing::TestWithParam<BadLine> {};
+class ResultsFileRefuses : public testing::TestWithParam<BadResultLine> {};
 
 TEST_P(ResultsFileRefuses, WithOneSentence) {
     const auto results = results_of(
@@ -60,28 +60,28 @@ TEST_P(ResultsFileRefuses, WithOneSentence) {
 INSTANTIATE_TEST_SUITE_P(
     Lines, ResultsFileRefuses,
     testing::Values(
-        BadLine{"{\"timestamp_us\": 2", "not JSON"}, BadLine{"null", "expected a JSON object"},
-        BadLine{"{\"marks\": []}", "timestamp_us is missing"},
-        BadLine{"{\"timestamp_us\": 1}", "timestamp_us 1 does not rise"},
-        BadLine{"{\"timestamp_us\": 2, \"part\": {}}", "part.state is missing"},
-        BadLine{"{\"timestamp_us\": 2, \"part\": {\"state\": \"gone\"}}",
-                "part.state is \"gone\", expected absent, searching, ambiguous, tracking or lost"},
-        BadLine{"{\"timestamp_us\": 2, \"part\": {\"state\": \"tracking\"}}",
-                "part.rotation is missing in state tracking"},
-        BadLine{"{\"timestamp_us\": 2, \"part\": {\"state\": \"lost\", \"translation\": [1,2,3]}}",
-                "part.translation stands without state tracking"},
-        BadLine{"{\"timestamp_us\": 2, \"part\": {\"state\": \"lost\", \"fitness\": true}}",
-                "part.fitness is true, expected a finite number"},
-        BadLine{"{\"timestamp_us\": 2, \"pointing\": {\"arm\": \"up\"}}",
-                "pointing.arm is \"up\", expected \"left\" or \"right\""},
-        BadLine{"{\"timestamp_us\": 2, \"marks\": {}}", "marks is {}, expected an array of objects"},
-        BadLine{"{\"timestamp_us\": 2, \"marks\": [4]}", "marks is [4], expected an array of objects"},
-        BadLine{"{\"timestamp_us\": 2, \"marks\": [{}]}", "a mark has no id"},
-        BadLine{"{\"timestamp_us\": 2, \"marks\": [{\"id\": 3}]}", "mark 3 has no position_part"},
-        BadLine{"{\"timestamp_us\": 2, \"marks\": [{\"id\": 1, \"position_part\": [0,0,0]}]}",
-                "mark 1 was there before"},
-        BadLine{"{\"timestamp_us\": 2, \"stage_ms\": {\"total\": \"3\"}}",
-                "stage_ms.total is \"3\", expected a finite number"}));
+        BadResultLine{"{\"timestamp_us\": 2", "not JSON"}, BadResultLine{"null", "expected a JSON object"},
+        BadResultLine{"{\"marks\": []}", "timestamp_us is missing"},
+        BadResultLine{"{\"timestamp_us\": 1}", "timestamp_us 1 does not rise"},
+        BadResultLine{"{\"timestamp_us\": 2, \"part\": {}}", "part.state is missing"},
+        BadResultLine{"{\"timestamp_us\": 2, \"part\": {\"state\": \"gone\"}}",
+                      "part.state is \"gone\", expected absent, searching, ambiguous, tracking or lost"},
+        BadResultLine{"{\"timestamp_us\": 2, \"part\": {\"state\": \"tracking\"}}",
+                      "part.rotation is missing in state tracking"},
+        BadResultLine{"{\"timestamp_us\": 2, \"part\": {\"state\": \"lost\", \"translation\": [1,2,3]}}",
+                      "part.translation stands without state tracking"},
+        BadResultLine{"{\"timestamp_us\": 2, \"part\": {\"state\": \"lost\", \"fitness\": true}}",
+                      "part.fitness is true, expected a finite number"},
+        BadResultLine{"{\"timestamp_us\": 2, \"pointing\": {\"arm\": \"up\"}}",
+                      "pointing.arm is \"up\", expected \"left\" or \"right\""},
+        BadResultLine{"{\"timestamp_us\": 2, \"marks\": {}}", "marks is {}, expected an array of objects"},
+        BadResultLine{"{\"timestamp_us\": 2, \"marks\": [4]}", "marks is [4], expected an array of objects"},
+        BadResultLine{"{\"timestamp_us\": 2, \"marks\": [{}]}", "a mark has no id"},
+        BadResultLine{"{\"timestamp_us\": 2, \"marks\": [{\"id\": 3}]}", "mark 3 has no position_part"},
+        BadResultLine{"{\"timestamp_us\": 2, \"marks\": [{\"id\": 1, \"position_part\": [0,0,0]}]}",
+                      "mark 1 was there before"},
+        BadResultLine{"{\"timestamp_us\": 2, \"stage_ms\": {\"total\": \"3\"}}",
+                      "stage_ms.total is \"3\", expected a finite number"}));
 
 }  // namespace
 }  // namespace deixis

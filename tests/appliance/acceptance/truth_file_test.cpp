@@ -64,12 +64,12 @@ TEST(TruthFile, AnUnknownKeyIsOneWarning) {
     EXPECT_THAT(truth->warnings, testing::ElementsAre("truth.jsonl line 1: unknown key mood"));
 }
 
-struct BadLine {
+struct BadTruthLine {
     const char* line;
     const char* sentence;
 };
 
-class TruthFileRefuses : public testing::TestWithParam<BadLine> {};
+class TruthFileRefuses : public testing::TestWithParam<BadTruthLine> {};
 
 TEST_P(TruthFileRefuses, WithOneSentence) {
     const auto truth = truth_of(std::string("{\"timestamp_us\": 1}\n") + GetParam().line + "\n");
@@ -80,38 +80,40 @@ TEST_P(TruthFileRefuses, WithOneSentence) {
 INSTANTIATE_TEST_SUITE_P(
     Lines, TruthFileRefuses,
     testing::Values(
-        BadLine{"{", "not JSON"}, BadLine{"\xff\xfe", "not JSON"}, BadLine{"[1]", "expected a JSON object"},
-        BadLine{"{}", "timestamp_us is missing"},
-        BadLine{"{\"timestamp_us\": null}", "timestamp_us is missing"},
-        BadLine{"{\"timestamp_us\": 1.5}", "timestamp_us is 1.5, expected a whole number of 64 bit"},
-        BadLine{"{\"timestamp_us\": 18446744073709551615}",
-                "timestamp_us is 18446744073709551615, expected a whole number of 64 bit"},
-        BadLine{"{\"timestamp_us\": \"1\"}", "timestamp_us is \"1\", expected a whole number of 64 bit"},
-        BadLine{"{\"timestamp_us\": 1, \"joints\": []}", "joints is [], expected an object"},
-        BadLine{"{\"timestamp_us\": 1, \"joints\": {\"tail\": [1,2,3]}}",
-                "joints.tail is not one of the fifteen joints"},
-        BadLine{"{\"timestamp_us\": 1, \"joints\": {\"head\": [1,2]}}",
-                "joints.head is [1,2], expected three finite numbers"},
-        BadLine{"{\"timestamp_us\": 1, \"part\": {\"translation\": [1,2,\"3\"]}}",
-                "part.translation is [1,2,\"3\"], expected three finite numbers"},
-        BadLine{"{\"timestamp_us\": 1, \"part\": {\"translation\": [1,2,1e999]}}", "not JSON"},
-        BadLine{"{\"timestamp_us\": 1, \"part\": {\"rotation\": [1,0,0]}}",
-                "part.rotation is [1,0,0], expected 3 rows of 3 finite numbers"},
-        BadLine{"{\"timestamp_us\": 1, \"part\": {\"rotation\": [[1,0,0],[0,1,0],[0,0,-1]]}}",
-                "part.rotation is [[1,0,0],[0,1,0],[0,0,-1]], expected a rotation, orthonormal to 1e-4 and "
-                "no reflection"},
-        BadLine{"{\"timestamp_us\": 1, \"part\": {\"rotation\": [[1,0,0],[0,1,0],[0,0.01,1]]}}",
-                "part.rotation is [[1,0,0],[0,1,0],[0,0.01,1]], expected a rotation, orthonormal to 1e-4 and "
-                "no reflection"},
-        BadLine{"{\"timestamp_us\": 1, \"pointing\": 3}", "pointing is 3, expected an object"},
-        BadLine{"{\"timestamp_us\": 1, \"pointing\": {\"hold\": 0}}",
-                "pointing.hold is 0, expected 1 or more"},
-        BadLine{"{\"timestamp_us\": 1, \"pointing\": {\"arm\": \"both\"}}",
-                "pointing.arm is \"both\", expected \"left\" or \"right\""},
-        BadLine{"{\"timestamp_us\": 1, \"pointing\": {\"meant\": 1}}",
-                "pointing.meant is 1, expected true or false"},
-        BadLine{"{\"timestamp_us\": 1, \"pointing\": {\"target_part\": {}}}",
-                "pointing.target_part is {}, expected three finite numbers"}));
+        BadTruthLine{"{", "not JSON"}, BadTruthLine{"\xff\xfe", "not JSON"},
+        BadTruthLine{"[1]", "expected a JSON object"}, BadTruthLine{"{}", "timestamp_us is missing"},
+        BadTruthLine{"{\"timestamp_us\": null}", "timestamp_us is missing"},
+        BadTruthLine{"{\"timestamp_us\": 1.5}", "timestamp_us is 1.5, expected a whole number of 64 bit"},
+        BadTruthLine{"{\"timestamp_us\": 18446744073709551615}",
+                     "timestamp_us is 18446744073709551615, expected a whole number of 64 bit"},
+        BadTruthLine{"{\"timestamp_us\": \"1\"}", "timestamp_us is \"1\", expected a whole number of 64 bit"},
+        BadTruthLine{"{\"timestamp_us\": 1, \"joints\": []}", "joints is [], expected an object"},
+        BadTruthLine{"{\"timestamp_us\": 1, \"joints\": {\"tail\": [1,2,3]}}",
+                     "joints.tail is not one of the fifteen joints"},
+        BadTruthLine{"{\"timestamp_us\": 1, \"joints\": {\"head\": [1,2]}}",
+                     "joints.head is [1,2], expected three finite numbers"},
+        BadTruthLine{"{\"timestamp_us\": 1, \"part\": {\"translation\": [1,2,\"3\"]}}",
+                     "part.translation is [1,2,\"3\"], expected three finite numbers"},
+        BadTruthLine{"{\"timestamp_us\": 1, \"part\": {\"translation\": [1,2,1e999]}}", "not JSON"},
+        BadTruthLine{"{\"timestamp_us\": 1, \"part\": {\"rotation\": [1,0,0]}}",
+                     "part.rotation is [1,0,0], expected 3 rows of 3 finite numbers"},
+        BadTruthLine{
+            "{\"timestamp_us\": 1, \"part\": {\"rotation\": [[1,0,0],[0,1,0],[0,0,-1]]}}",
+            "part.rotation is [[1,0,0],[0,1,0],[0,0,-1]], expected a rotation, orthonormal to 1e-4 and "
+            "no reflection"},
+        BadTruthLine{
+            "{\"timestamp_us\": 1, \"part\": {\"rotation\": [[1,0,0],[0,1,0],[0,0.01,1]]}}",
+            "part.rotation is [[1,0,0],[0,1,0],[0,0.01,1]], expected a rotation, orthonormal to 1e-4 and "
+            "no reflection"},
+        BadTruthLine{"{\"timestamp_us\": 1, \"pointing\": 3}", "pointing is 3, expected an object"},
+        BadTruthLine{"{\"timestamp_us\": 1, \"pointing\": {\"hold\": 0}}",
+                     "pointing.hold is 0, expected 1 or more"},
+        BadTruthLine{"{\"timestamp_us\": 1, \"pointing\": {\"arm\": \"both\"}}",
+                     "pointing.arm is \"both\", expected \"left\" or \"right\""},
+        BadTruthLine{"{\"timestamp_us\": 1, \"pointing\": {\"meant\": 1}}",
+                     "pointing.meant is 1, expected true or false"},
+        BadTruthLine{"{\"timestamp_us\": 1, \"pointing\": {\"target_part\": {}}}",
+                     "pointing.target_part is {}, expected three finite numbers"}));
 
 TEST(TruthFile, RefusesAnEmptyFileAMissingOneAndAContradiction) {
     EXPECT_EQ(truth_of("").error().sentence, "truth.jsonl is empty: expected one JSON object a line");

@@ -8,6 +8,7 @@
 #include "appliance/simulation/arm_goal.h"
 #include "appliance/simulation/body_skeleton.h"
 #include "appliance/simulation/body_surface.h"
+#include "tests/appliance/simulation/small_cell.h"
 #include "tracking/geometry/ray_caster.h"
 
 namespace deixis {
@@ -131,12 +132,6 @@ TEST(Body, BlendedDirectionsStayUnitAndMeetTheirEnds) {
     }
 }
 
-/// Distance of `p` from the line through a and b.
-double off_line(const Vector3d& p, const Vector3d& a, const Vector3d& b) {
-    const Vector3d along = (b - a).normalized();
-    return ((p - a) - along * along.dot(p - a)).norm();
-}
-
 class Aims : public testing::TestWithParam<AimMode> {};
 
 TEST_P(Aims, PutTheSpotOnTheirLine) {
@@ -159,14 +154,14 @@ TEST_P(Aims, PutTheSpotOnTheirLine) {
             constexpr double tremor = 0.005;  // of the raised hand
             EXPECT_NEAR((spot - tip).norm(), gap, tremor);
             if (GetParam() == AimMode::eye) {
-                EXPECT_LT(off_line(spot, places.eye, tip), tremor);
+                EXPECT_LT(distance_off_line(spot, places.eye, tip), tremor);
             }
             if (GetParam() == AimMode::forearm) {
-                EXPECT_LT(off_line(spot, elbow, wrist), tremor);
-                EXPECT_LT(off_line(tip, elbow, wrist), 1e-9);
+                EXPECT_LT(distance_off_line(spot, elbow, wrist), tremor);
+                EXPECT_LT(distance_off_line(tip, elbow, wrist), 1e-9);
             }
             if (GetParam() == AimMode::finger) {
-                EXPECT_LT(off_line(spot, wrist, tip), tremor);
+                EXPECT_LT(distance_off_line(spot, wrist, tip), tremor);
                 const double bend = std::acos((wrist - elbow).normalized().dot((tip - wrist).normalized()));
                 EXPECT_NEAR(bend, 0.15, 0.01);
             }

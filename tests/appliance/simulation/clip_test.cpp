@@ -6,6 +6,7 @@
 
 #include "appliance/simulation/clip_motion.h"
 #include "appliance/simulation/motion_clip.h"
+#include "tests/appliance/simulation/small_cell.h"
 
 namespace deixis {
 namespace {
@@ -236,12 +237,6 @@ root 1 4 2 0 90 0
 lfemur 0 0 0
 ltibia 90
 )";
-
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-    const size_t at = text.find(from);
-    EXPECT_NE(at, std::string::npos) << from;
-    return at == std::string::npos ? text : text.replace(at, from.size(), to);
-}
 
 TEST(Bvh, PlacesTheJointsWithZUp) {
     const auto clip = parse_bvh(small_bvh, "a.bvh");

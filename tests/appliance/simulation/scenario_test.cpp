@@ -14,12 +14,6 @@ namespace {
 
 using testing::HasSubstr;
 
-std::string replaced(std::string text, const std::string& from, const std::string& to) {
-    const size_t at = text.find(from);
-    EXPECT_NE(at, std::string::npos) << from;
-    return at == std::string::npos ? text : text.replace(at, from.size(), to);
-}
-
 const std::string point = "[[action]]\ndo = \"point\"\narm = \"left\"\n";
 
 TEST(Scenario, ReadsWhatStandsInTheFile) {

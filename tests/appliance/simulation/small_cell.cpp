@@ -66,4 +66,15 @@ Scenario parsed(const std::string& text) {
     return scenario.has_value() ? *scenario : Scenario{};
 }
 
+std::string replaced(std::string text, const std::string& from, const std::string& to) {
+    const size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    return at == std::string::npos ? text : text.replace(at, from.size(), to);
+}
+
+double distance_off_line(const Eigen::Vector3d& p, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    const Eigen::Vector3d along = (b - a).normalized();
+    return ((p - a) - along * along.dot(p - a)).norm();
+}
+
 }  // namespace deixis

@@ -36,11 +36,6 @@ VirtualCell cell_of(const std::string& text, uint64_t seed) {
     return std::move(*cell);
 }
 
-double off_line(const Vector3d& p, const Vector3d& a, const Vector3d& b) {
-    const Vector3d along = (b - a).normalized();
-    return ((p - a) - along * along.dot(p - a)).norm();
-}
-
 TEST(VirtualCell, SameSeedSameBytesForAnyOrderAndThreads) {
     const std::string text = small_scenario(three_points);
     VirtualCell a = cell_of(text, 3), b = cell_of(text, 3), other = cell_of(text, 4);
@@ -121,7 +116,8 @@ TEST(VirtualCell, MeantHoldsAimAtTheirSpotOnTheSkin) {
             const Vector3d from = mode == AimMode::eye ? truth.eye : mode == AimMode::forearm ? elbow : wrist;
             // Scatter of 1 degree along each axis about the line's origin, 3.5 sigma, and the tremor.
             const double allowed = 3.5 * 1.42 * std::numbers::pi / 180 * (spot - from).norm() + 0.006;
-            EXPECT_LT(off_line(spot, from, tip), allowed) << name << " hold " << truth.pointing->hold;
+            EXPECT_LT(distance_off_line(spot, from, tip), allowed)
+                << name << " hold " << truth.pointing->hold;
             const double gap = (spot - tip).norm();
             if (truth.pointing->touch)
                 EXPECT_LT(gap, allowed + 0.01);

@@ -75,7 +75,7 @@ std::vector<const CarvingView*> pointers(const std::vector<CarvingView>& views) 
     return all;
 }
 
-const Box cell{{-1.5, -1.2, 0.0}, {1.5, 1.2, 2.0}};
+const Box carved_box{{-1.5, -1.2, 0.0}, {1.5, 1.2, 2.0}};
 
 struct Carved {
     std::vector<CalibratedSensor> sensors;
@@ -97,7 +97,7 @@ Carved carve_person(std::vector<CalibratedSensor> sensors, double voxel = 0.05,
     ForegroundModel foreground(carved.sensors, background, {});
     carved.frameset = render_all(carved.sensors, carved.scene, 1000, noise);
     foreground.update(carved.frameset);
-    VoxelCarver carver(carved.sensors, cell, carved.params);
+    VoxelCarver carver(carved.sensors, carved_box, carved.params);
     carved.grid = carver.update(carved.frameset, foreground);
     carved.views = carver.views();
     return carved;
@@ -219,7 +219,7 @@ TEST(Carving, TheOrderOfTheSensorsDoesNotMatter) {
 TEST(Carving, NothingIsKnownWithoutMeasurement) {
     const std::vector<CalibratedSensor> sensors = two_sensors();
     ForegroundModel foreground(sensors, {}, {});
-    VoxelCarver carver(sensors, cell, {});
+    VoxelCarver carver(sensors, carved_box, {});
     Frameset frameset = render_all(sensors, {}, 0);
     for (DepthFrame& frame : frameset.frames)
         std::fill(frame.depth.millimetres.begin(), frame.depth.millimetres.end(), 0);
@@ -236,7 +236,7 @@ TEST(Carving, NothingIsKnownWithoutMeasurement) {
 TEST(Carving, NothingIsCarvedBehindTheCamera) {
     const std::vector<CalibratedSensor> sensors = {sensor_looking({0, 0, 1}, {1, 0, 1})};
     ForegroundModel foreground(sensors, {}, {});
-    VoxelCarver carver(sensors, cell, {});
+    VoxelCarver carver(sensors, carved_box, {});
     Frameset frameset = render_all(sensors, {{}, {}, false}, 0);
     std::fill(frameset.frames[0].depth.millimetres.begin(), frameset.frames[0].depth.millimetres.end(),
               60000);
@@ -255,7 +255,7 @@ TEST(Carving, NothingIsCarvedBehindTheCamera) {
 TEST(Carving, ImagesOfAnotherSizeAreNotLookedAt) {
     const std::vector<CalibratedSensor> sensors = two_sensors();
     ForegroundModel foreground(sensors, {}, {});
-    VoxelCarver carver(sensors, cell, {});
+    VoxelCarver carver(sensors, carved_box, {});
     Frameset frameset = render_all(sensors, {}, 0);
     frameset.frames[0].depth.resize(7, 5);
     frameset.frames[1].depth.resize(0, 0);
