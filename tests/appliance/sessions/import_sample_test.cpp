@@ -4,12 +4,10 @@
 
 #include <cstdlib>
 
-#include "appliance/sessions/frame_stamps.h"
 #include "appliance/sessions/import_frames.h"
-#include "appliance/sessions/oni_walker.h"
 #include "appliance/sessions/session.h"
+#include "tests/appliance/sessions/imported_frames.h"
 #include "tests/appliance/sessions/scratch_folder.h"
-#include "tests/appliance/sessions/stock_playback.h"
 
 namespace deixis {
 namespace {
@@ -33,28 +31,7 @@ TEST(ImportSample, EveryFrameComesBackBitForBit) {
     const auto session = open_session(scratch / "out");
     ASSERT_TRUE(session) << session.error().sentence;
     ASSERT_EQ(session->streams.size(), 2U);
-    const std::vector<StockPlayback> played =
-        play_with_stock_openni2({session->streams[0].file, session->streams[1].file});
-    for (size_t s = 0; s < 2; ++s) {
-        const SessionStream& stream = session->streams[s];
-        const auto stamps = read_timestamps(frames / stream.sensor / "timestamps.csv");
-        ASSERT_TRUE(stamps);
-        ASSERT_EQ(stream.frames, static_cast<int64_t>(stamps->timestamp_us.size()));
-        ASSERT_EQ(played[s].frames.size(), stamps->timestamp_us.size());
-        const auto read = read_oni(stream.file, [&](int64_t frame, int64_t stamp, const DepthImage& image) {
-            const auto i = static_cast<size_t>(frame);
-            const auto png = read_depth_png(frames / stream.sensor / frame_file_name(frame), {640, 480});
-            EXPECT_TRUE(png);
-            EXPECT_EQ(stamp + stream.start_us, stamps->timestamp_us[i]);
-            EXPECT_EQ(static_cast<int64_t>(played[s].frames[i].timestamp_us) + stream.start_us,
-                      stamps->timestamp_us[i]);
-            EXPECT_TRUE(image.millimetres == png->millimetres) << stream.sensor << " frame " << frame;
-            EXPECT_TRUE(played[s].frames[i].image.millimetres == png->millimetres)
-                << stream.sensor << " frame " << frame;
-            return true;
-        });
-        ASSERT_TRUE(read) << read.error().sentence;
-    }
+    expect_same_frames(*session, frames);
     EXPECT_TRUE(session->truth);
     const auto background = read_background(*session);
     ASSERT_TRUE(background) << background.error().sentence;

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tests/tracking/part/bumper_model.h"
 #include "tests/tracking/part/synthetic_cell.h"
 
 namespace deixis {
@@ -18,17 +19,8 @@ RigidTransform pose_at(double x, double y, double yaw) {
     return {Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitZ()).toRotationMatrix(), {x, y, 0.7}};
 }
 
-class PartTrackerTest : public testing::Test {
+class PartTrackerTest : public BumperModelTest {
   protected:
-    static void SetUpTestSuite() {
-        mesh_ = new SurfaceMesh(bumper_shell(false));
-        model_ = new std::shared_ptr<const ReferenceModel>(*ReferenceModel::build(*mesh_, {}));
-    }
-    static void TearDownTestSuite() {
-        delete mesh_;
-        delete model_;
-    }
-
     void SetUp() override { tracker_.emplace(*model_, sensors_, PartTrackerParams{}); }
 
     const PartEstimate& see(const std::vector<SurfaceMesh>& scene) {
@@ -45,8 +37,6 @@ class PartTrackerTest : public testing::Test {
         EXPECT_LT(error_between(estimate.world_from_part, truth).degree, 1);
     }
 
-    static inline SurfaceMesh* mesh_ = nullptr;
-    static inline std::shared_ptr<const ReferenceModel>* model_ = nullptr;
     std::vector<CalibratedSensor> sensors_ = two_kinects(4, 2);
     Frameset empty_ = render(sensors_, {}, 0, 999), frameset_;
     std::optional<PartTracker> tracker_;

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include "tests/tracking/part/bumper_model.h"
 #include "tests/tracking/part/synthetic_cell.h"
 #include "tracking/part/reference_model.h"
 
@@ -11,17 +12,8 @@ namespace {
 
 using namespace synthetic;
 
-class PoseEvidenceTest : public testing::Test {
+class PoseEvidenceTest : public BumperModelTest {
   protected:
-    static void SetUpTestSuite() {
-        mesh_ = new SurfaceMesh(bumper_shell(false));
-        model_ = new std::shared_ptr<const ReferenceModel>(*ReferenceModel::build(*mesh_, {}));
-    }
-    static void TearDownTestSuite() {
-        delete mesh_;
-        delete model_;
-    }
-
     PoseEvidence evidence(const RigidTransform& pose, const std::vector<SurfaceMesh>& others = {}) {
         std::vector<SurfaceMesh> scene = others;
         scene.push_back(moved(*mesh_, truth_));
@@ -29,8 +21,6 @@ class PoseEvidenceTest : public testing::Test {
         return DepthWitness(sensors_, frameset_).ask(pose, (*model_)->coarse(), 0, 1, 0);
     }
 
-    static inline SurfaceMesh* mesh_ = nullptr;
-    static inline std::shared_ptr<const ReferenceModel>* model_ = nullptr;
     RigidTransform truth_{Eigen::Matrix3d::Identity(), {0, 0.1, 0.7}};
     std::vector<CalibratedSensor> sensors_ = two_kinects(3, 2);
     Frameset frameset_;
