@@ -4,6 +4,7 @@
 #include <embree3/rtcore.h>
 
 #include <Eigen/Geometry>
+#include <algorithm>
 #include <cassert>
 #include <cmath>
 #include <cstring>
@@ -33,6 +34,11 @@ Eigen::Vector3f closest_on_triangle(const Eigen::Vector3f& p, const Eigen::Vecto
         return b + (c - b) * ((d4 - d3) / ((d4 - d3) + (d5 - d6)));
     const float denominator = 1.0F / (va + vb + vc);
     return a + ab * (vb * denominator) + ac * (vc * denominator);
+}
+
+/// As Embree keeps them: x, y, z one after the other.
+void write_vertices(const std::vector<Eigen::Vector3f>& vertices, float* out) {
+    for (const Eigen::Vector3f& v : vertices) out = std::copy_n(v.data(), 3, out);
 }
 
 }  // namespace
@@ -66,8 +72,7 @@ uint32_t RayCaster::add(const SurfaceMesh& mesh) {
         g, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), mesh.vertices.size()));
     auto* indices = static_cast<uint32_t*>(rtcSetNewGeometryBuffer(
         g, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(uint32_t), mesh.triangles.size()));
-    if (!mesh.vertices.empty())
-        std::memcpy(vertices, mesh.vertices.data(), mesh.vertices.size() * sizeof(Eigen::Vector3f));
+    write_vertices(mesh.vertices, vertices);
     if (!mesh.triangles.empty())
         std::memcpy(indices, mesh.triangles.data(), mesh.triangles.size() * 3 * sizeof(uint32_t));
     rtcCommitGeometry(g);
@@ -82,8 +87,7 @@ void RayCaster::update(uint32_t index, const std::vector<Eigen::Vector3f>& verti
     assert(vertices.size() == impl_->meshes[index].vertices.size());
     impl_->meshes[index].vertices = vertices;
     RTCGeometry g = impl_->geometries[index];
-    std::memcpy(rtcGetGeometryBufferData(g, RTC_BUFFER_TYPE_VERTEX, 0), vertices.data(),
-                vertices.size() * sizeof(Eigen::Vector3f));
+    write_vertices(vertices, static_cast<float*>(rtcGetGeometryBufferData(g, RTC_BUFFER_TYPE_VERTEX, 0)));
     rtcUpdateGeometryBuffer(g, RTC_BUFFER_TYPE_VERTEX, 0);
     rtcCommitGeometry(g);
 }
