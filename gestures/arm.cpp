@@ -164,7 +164,7 @@ std::optional<FittedLine> ArmFinder::regress(const FittedLine& line, const Surfa
         Eigen::Vector3d view = mean - places_[k % places_.size()];
         view -= view.dot(line.direction) * line.direction;
         if (view.norm() < 1e-3) continue;
-        centres_.push_back(mean + std::numbers::pi / 4 * radius * view.normalized());
+        centres_.emplace_back(mean + std::numbers::pi / 4 * radius * view.normalized());
         weights_.push_back(std::sqrt(static_cast<double>(slice.count)));
     }
     auto fitted = fit_along(centres_, weights_, line.direction);

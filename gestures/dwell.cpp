@@ -92,7 +92,7 @@ template <class Value>
 double DwellDetector::quantile(size_t first, size_t last, double share, Value value_of) {
     values_.clear();
     for (size_t k = first; k < last; ++k) values_.push_back(value_of(samples_[k]));
-    const auto rank = static_cast<std::ptrdiff_t>(share * static_cast<double>(values_.size() - 1) + 0.5);
+    const auto rank = std::lround(share * static_cast<double>(values_.size() - 1));
     std::nth_element(values_.begin(), values_.begin() + rank, values_.end());
     return values_[static_cast<size_t>(rank)];
 }
