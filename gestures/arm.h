@@ -36,7 +36,7 @@ class ArmFinder {
   public:
     struct Params {
         double min_length_m = 0.28;       ///< of the limb [m]
-        double forearm_of_height = 0.21;  ///< fitted piece from the fingertip, share of the standing height
+        double forearm_of_height = 0.17;  ///< fitted piece from the fingertip, share of the standing height
         double max_width_m = 0.16;        ///< of the fitted piece [m]
         double min_off_trunk_m = 0.25;    ///< fingertip from the middle of the body, horizontally [m]
         double min_tip_height_m = 0.25;   ///< above the floor: below it are feet [m]

@@ -44,7 +44,7 @@ class GestureTracker {
     /// stages.
     struct Params {
         double dwell_s = 1.0;      ///< how long a point is held to be a mark [s]
-        double eye_weight = 0.45;  ///< 0 = along the forearm, 1 = from the eye through the fingertip
+        double eye_weight = 0.30;  ///< 0 = along the forearm, 1 = from the eye through the fingertip
         double max_reach_m = 1.2;  ///< a hit farther than this from the fingertip is none [m]
         double touch_m = 0.05;     ///< a surface nearer than this before the fingertip is touched [m]
         double reach_out_m =

@@ -25,13 +25,13 @@ std::optional<FittedLine> fit_along(std::span<const Eigen::Vector3d> points, std
                                     const Eigen::Vector3d& main_axis);
 
 struct PointingParams {
-    double eye_weight = 0.45;           ///< 0 = along the forearm, 1 = from the eye through the fingertip
+    double eye_weight = 0.30;           ///< 0 = along the forearm, 1 = from the eye through the fingertip
     double max_reach_m = 1.2;           ///< a hit farther than this from the fingertip is none [m]
     double touch_m = 0.05;              ///< a surface nearer than this before the fingertip is touched [m]
     double snap_m = 0.06;               ///< a ray passing this near to the part means its nearest spot [m]
     double tip_sigma_m = 0.03;          ///< of the fingertip, across the ray [m]
     double direction_sigma_deg = 11.5;  ///< of the ray's direction [degrees]
-    double closeness_m = 0.08;          ///< scale of the gap that workers leave before what they mean [m]
+    double closeness_m = 0.06;          ///< scale of the gap that workers leave before what they mean [m]
 
     InvalidSettings validate() const;
 };
