@@ -154,7 +154,8 @@ TEST(GestureTracker, AHeldPointIsOneMarkNearItsSpotWithItsArm) {
             params.eye_weight = 0;  // the arm is straight from the shoulder
             const Seen seen = play(world, {{world.scene(target + front, side), 1.6}}, params);
             ASSERT_EQ(seen.marks.size(), 1U) << side << " " << target.transpose();
-            EXPECT_LT((seen.marks[0].spot.position - target - front).norm(), 0.06)
+            // A quarter of a Kinect's pixels: the hand alone, which the aim is fitted to, has few of them.
+            EXPECT_LT((seen.marks[0].spot.position - target - front).norm(), 0.08)
                 << side << " " << target.transpose();
             EXPECT_EQ(seen.marks[0].arm, side > 0 ? ArmSide::right : ArmSide::left);
             EXPECT_GT(seen.marks[0].confidence, 0.5);
