@@ -6,7 +6,7 @@
 #include "appliance/commands/commands.h"
 #include "appliance/exports/defect_csv.h"
 #include "appliance/exports/defect_json_lines.h"
-#include "appliance/exports/whole_file.h"
+#include "appliance/exports/export_file.h"
 #include "appliance/records/defect_ledger.h"
 #include "appliance/records/utc_time.h"
 
@@ -52,7 +52,7 @@ Result<std::string> export_text(const ExportOptions& options) {
 Result<void> export_defects(const ExportOptions& options) {
     const auto text = export_text(options);
     if (!text) return tl::unexpected(text.error());
-    if (!options.output.empty()) return write_whole_file(options.output, *text);
+    if (!options.output.empty()) return write_export_file(options.output, *text);
     const bool written = std::fwrite(text->data(), 1, text->size(), stdout) == text->size();
     if (std::fflush(stdout) != 0 || !written)
         return fail("cannot write to standard output; give --output FILE");

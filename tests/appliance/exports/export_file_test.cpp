@@ -1,5 +1,5 @@
 // A file is replaced whole or not at all, and nothing is left behind.
-#include "appliance/exports/whole_file.h"
+#include "appliance/exports/export_file.h"
 
 #include <gmock/gmock.h>
 #include <unistd.h>
@@ -28,19 +28,19 @@ class WholeFileTest : public ::testing::Test {
 
 TEST_F(WholeFileTest, ReplacesWhatWasThere) {
     const std::string text("a\0b\r\n", 5);
-    ASSERT_TRUE(write_whole_file(folder_ / "out.csv", "older and longer"));
-    ASSERT_TRUE(write_whole_file(folder_ / "out.csv", text));
+    ASSERT_TRUE(write_export_file(folder_ / "out.csv", "older and longer"));
+    ASSERT_TRUE(write_export_file(folder_ / "out.csv", text));
     EXPECT_EQ(bytes_of(folder_ / "out.csv"), text);
     EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 1)
         << "nothing left behind";
 }
 
 TEST_F(WholeFileTest, RefusesWhatCannotBeWritten) {
-    EXPECT_EQ(write_whole_file(folder_, "x").error().sentence,
+    EXPECT_EQ(write_export_file(folder_, "x").error().sentence,
               "cannot write " + folder_.string() + ": Is a directory");
-    EXPECT_EQ(write_whole_file(folder_ / "no" / "out.csv", "x").error().sentence,
+    EXPECT_EQ(write_export_file(folder_ / "no" / "out.csv", "x").error().sentence,
               "cannot write " + (folder_ / "no" / "out.csv").string() + ": No such file or directory");
-    EXPECT_EQ(write_whole_file(folder_ / std::string(300, 'x'), "x").error().sentence,
+    EXPECT_EQ(write_export_file(folder_ / std::string(300, 'x'), "x").error().sentence,
               "cannot write " + (folder_ / std::string(300, 'x')).string() + ": File name too long");
     EXPECT_EQ(std::distance(fs::directory_iterator(folder_), fs::directory_iterator()), 0);
 }

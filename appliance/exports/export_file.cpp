@@ -1,5 +1,5 @@
 // Temporary name, sync, rename, sync of the folder: the order that survives a power cut.
-#include "appliance/exports/whole_file.h"
+#include "appliance/exports/export_file.h"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -23,7 +23,7 @@ bool write_all(int file, std::string_view text) {
 
 }  // namespace
 
-Result<void> write_whole_file(const std::filesystem::path& path, std::string_view text) {
+Result<void> write_export_file(const std::filesystem::path& path, std::string_view text) {
     const auto refused = [&](int code) {
         return fail("cannot write " + path.string() + ": " + std::strerror(code));
     };
