@@ -67,7 +67,6 @@ class GestureTracker {
 
     /// The arms of the last update that reach out, whether or not they hit the part.
     const std::vector<ArmCluster>& arms() const { return arms_.arms(); }
-    const std::vector<Limb>& limbs() const { return limbs_.limbs(); }
 
   private:
     /// One arm over time.

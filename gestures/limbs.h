@@ -41,8 +41,6 @@ class LimbFinder {
     /// Limbs, longest first. Empty when nobody is there.
     const std::vector<Limb>& update(const WorkerBody& worker);
 
-    const std::vector<Limb>& limbs() const { return limbs_; }
-
   private:
     void index_voxels(const WorkerBody& worker);
     void measure_paths(const WorkerBody& worker);
