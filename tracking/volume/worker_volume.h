@@ -29,9 +29,10 @@ struct WorkerBody {
 
 /// Occupied voxels with foreground points that are not the part's, and the occupied voxels that touch those,
 /// fall into components (26 neighbours). A person is an upright component 1.2 to 2.2 m tall; small components
-/// near it and clear of the floor are his too (a forearm behind an edge). What stands on the floor on its own
-/// and is no person, such as the trolley, is remembered as clutter until its place is seen free, and is cut
-/// out of the worker when he touches it. Deterministic; no allocation once warm.
+/// near it and clear of the floor are his too (a forearm behind an edge). What stands or hangs on its own and
+/// is no person, such as the trolley and its bars, is remembered as clutter until its place is seen free, and
+/// is cut out of the worker when he touches it; nothing near a person is learned. Deterministic; no
+/// allocation once warm.
 class WorkerVolume {
   public:
     struct Params {
