@@ -127,7 +127,7 @@ TEST(SpotOnPart, IsTheCutOfTheRayInThePartFrame) {
         const auto averaged = spot_on_part(caster, world_from_part, origin, direction, {});
         ASSERT_TRUE(averaged);
         // Across a slanted ray the mean lies a little nearer to the fingertip.
-        EXPECT_LT((averaged->spot.position - target).norm(), 0.03);
+        EXPECT_LT((averaged->spot.position - target).norm(), 0.04);
     }
 }
 
