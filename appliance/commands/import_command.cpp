@@ -1,12 +1,12 @@
 // `deixis import FRAMES OUT`: a frames folder from anywhere becomes a session. `deixis mend`: an interrupted
 // one as well.
 #include <chrono>
-#include <cstdio>
 #include <ctime>
 #include <string>
 
 #include "appliance/commands/commands.h"
 #include "appliance/commands/program_path.h"
+#include "appliance/commands/refusal.h"
 #include "appliance/parts/model_reader.h"
 #include "appliance/parts/part_model.h"
 #include "appliance/sessions/import_frames.h"
@@ -20,11 +20,6 @@ struct ImportArguments {
     std::string out;
     std::string name;
 };
-
-[[noreturn]] void fail_import(const Failure& failure) {
-    std::fprintf(stderr, "%s\n", failure.sentence.c_str());
-    throw CLI::RuntimeError(1);
-}
 
 std::string utc_now() {
     const std::time_t now = std::chrono::system_clock::to_time_t(std::chrono::system_clock::now());
@@ -40,17 +35,17 @@ void check_part_loads(const std::filesystem::path& part_toml) {
     std::error_code error;
     if (!std::filesystem::exists(part_toml, error)) return;
     const Result<PartFile> part = read_part_file(part_toml);
-    if (!part) fail_import(part.error());
+    if (!part) refuse(part.error());
     for (const std::string& warning : part->warnings) std::fprintf(stderr, "%s\n", warning.c_str());
     if (const auto mesh = load_mesh(part->model, part->metres_per_unit, {program_path()}); !mesh)
-        fail_import(mesh.error());
+        refuse(mesh.error());
 }
 
 void run_import(const ImportArguments& arguments) {
     check_part_loads(std::filesystem::path(arguments.frames) / "part.toml");
     const SessionOrigin origin = {arguments.name, utc_now(), {{"deixis", DEIXIS_VERSION}}};
     const Result<ImportReport> report = import_frames(arguments.frames, arguments.out, origin);
-    if (!report) fail_import(report.error());
+    if (!report) refuse(report.error());
     for (const std::string& warning : report->warnings) std::fprintf(stderr, "%s\n", warning.c_str());
     std::string counts;
     for (const int64_t frames : report->frames)
@@ -77,7 +72,7 @@ void add_mend_command(CLI::App& app) {
     command->add_option("FOLDER", *folder, "the OUT.recording folder that was left behind")->required();
     command->callback([folder] {
         const Result<std::filesystem::path> session = mend_session(*folder);
-        if (!session) fail_import(session.error());
+        if (!session) refuse(session.error());
         std::printf("%s\n", session->c_str());
     });
 }

@@ -4,6 +4,7 @@
 
 #include "appliance/commands/commands.h"
 #include "appliance/commands/program_path.h"
+#include "appliance/commands/refusal.h"
 #include "appliance/parts/model_reader.h"
 #include "appliance/parts/part_model.h"
 #include "appliance/parts/sample_bumper.h"
@@ -12,17 +13,12 @@
 namespace deixis {
 namespace {
 
-[[noreturn]] void fail_part(const std::string& sentence) {
-    std::cerr << sentence << '\n';
-    throw CLI::RuntimeError(1);
-}
-
 void print_model(const std::filesystem::path& model, double metres_per_unit,
                  const ModelReaderParams& limits) {
     const auto mesh = load_mesh(model, metres_per_unit, {program_path(), limits});
-    if (!mesh) fail_part(mesh.error().sentence);
+    if (!mesh) refuse(mesh.error());
     const auto reference = ReferenceModel::build(*mesh, {});
-    if (!reference) fail_part(model.string() + ": " + reference.error().sentence);
+    if (!reference) refuse({model.string() + ": " + reference.error().sentence});
     const MeshBounds bounds = bounds_of(*mesh);
     const Eigen::IOFormat row(4, Eigen::DontAlignCols, ", ", ", ", "", "", "[", "]");
     const auto outer = std::count_if((*reference)->fine().begin(), (*reference)->fine().end(),
@@ -39,7 +35,7 @@ void print_info(const std::filesystem::path& file, const std::string& units,
                 const ModelReaderParams& limits) {
     if (file.extension() != ".toml") return print_model(file, units == "m" ? 1 : 1e-3, limits);
     const auto part = read_part_file(file);
-    if (!part) fail_part(part.error().sentence);
+    if (!part) refuse(part.error());
     for (const std::string& warning : part->warnings) std::cerr << warning << '\n';
     std::cout << "type        " << part->type << "\nserial      " << part->serial << '\n';
     print_model(part->model, part->metres_per_unit, limits);
@@ -64,7 +60,7 @@ void add_part_command(CLI::App& app) {
     sample->callback([] {
         const auto variant = options.variant == "b" ? SampleBumper::b : SampleBumper::a;
         if (const auto written = write_sample_bumper(variant, options.output); !written)
-            fail_part(written.error().sentence);
+            refuse(written.error());
     });
 
     CLI::App* info =

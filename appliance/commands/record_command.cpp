@@ -6,6 +6,7 @@
 #include "appliance/commands/commands.h"
 #include "appliance/commands/live_recording.h"
 #include "appliance/commands/program_path.h"
+#include "appliance/commands/refusal.h"
 #include "appliance/commands/stop_signal.h"
 #include "appliance/records/utc_time.h"
 
@@ -101,9 +102,7 @@ void add_record_command(CLI::App& app) {
                       "make OUT of what an interrupted recording left as OUT.recording");
     command->callback([] {
         const auto done = options.mend ? mend(options.out) : record(options);
-        if (done) return;
-        std::cerr << "deixis record: " << done.error().sentence << '\n';
-        throw CLI::RuntimeError(1);
+        if (!done) refuse(done.error(), "deixis record: ");
     });
 }
 

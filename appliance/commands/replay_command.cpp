@@ -6,6 +6,7 @@
 
 #include "appliance/commands/commands.h"
 #include "appliance/commands/program_path.h"
+#include "appliance/commands/refusal.h"
 #include "appliance/commands/results_writer.h"
 #include "appliance/commands/station_log.h"
 #include "appliance/commands/stop_signal.h"
@@ -137,10 +138,7 @@ void add_replay_command(CLI::App& app) {
     command->add_flag("--quiet", options->quiet, "no progress lines");
     command->callback([options] {
         catch_stop_signals();
-        if (const auto done = replay(*options); !done) {
-            std::cerr << "deixis replay: " << done.error().sentence << '\n';
-            throw CLI::RuntimeError(1);
-        }
+        if (const auto done = replay(*options); !done) refuse(done.error(), "deixis replay: ");
     });
 }
 

@@ -12,6 +12,7 @@
 #include "appliance/calibration/calibration_file.h"
 #include "appliance/commands/commands.h"
 #include "appliance/commands/program_path.h"
+#include "appliance/commands/refusal.h"
 #include "appliance/parts/model_reader.h"
 #include "appliance/parts/part_model.h"
 #include "appliance/parts/sample_bumper.h"
@@ -330,10 +331,7 @@ void add_simulate_command(CLI::App& app) {
     command->add_flag("--quiet", options->quiet, "no progress");
     command->callback([options, seed] {
         options->seed_given = seed->count() > 0;
-        if (const auto done = simulate(*options); !done) {
-            std::cerr << done.error().sentence << "\n";
-            throw CLI::RuntimeError(1);
-        }
+        if (const auto done = simulate(*options); !done) refuse(done.error());
     });
 }
 

@@ -7,6 +7,7 @@
 
 #include "appliance/commands/commands.h"
 #include "appliance/commands/program_path.h"
+#include "appliance/commands/refusal.h"
 #include "appliance/commands/results_writer.h"
 #include "appliance/commands/screen_link.h"
 #include "appliance/commands/station_log.h"
@@ -198,10 +199,7 @@ void add_station_command(CLI::App& app) {
             return;
         }
         catch_stop_signals();
-        if (const auto done = station(*options); !done) {
-            std::cerr << "deixis station: " << done.error().sentence << '\n';
-            throw CLI::RuntimeError(1);
-        }
+        if (const auto done = station(*options); !done) refuse(done.error(), "deixis station: ");
     });
 }
 
