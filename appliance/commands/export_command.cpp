@@ -1,12 +1,12 @@
 // `deixis export`: the record as CSV or JSON lines, to a file or to standard output.
 #include <cstdio>
-#include <iostream>
 #include <optional>
 
+#include "appliance/calibration/whole_file.h"
 #include "appliance/commands/commands.h"
+#include "appliance/commands/refusal.h"
 #include "appliance/exports/defect_csv.h"
 #include "appliance/exports/defect_json_lines.h"
-#include "appliance/exports/export_file.h"
 #include "appliance/records/defect_ledger.h"
 #include "appliance/records/utc_time.h"
 
@@ -52,7 +52,12 @@ Result<std::string> export_text(const ExportOptions& options) {
 Result<void> export_defects(const ExportOptions& options) {
     const auto text = export_text(options);
     if (!text) return tl::unexpected(text.error());
-    if (!options.output.empty()) return write_export_file(options.output, *text);
+    if (!options.output.empty()) {
+        if (auto written = write_whole_file(options.output, *text); !written) return written;
+        // Some file systems cannot bring a folder to disk; the file itself is there.
+        (void)sync_folder(std::filesystem::path(options.output).parent_path());
+        return {};
+    }
     const bool written = std::fwrite(text->data(), 1, text->size(), stdout) == text->size();
     if (std::fflush(stdout) != 0 || !written)
         return fail("cannot write to standard output; give --output FILE");
@@ -84,10 +89,7 @@ void add_export_command(CLI::App& app) {
     command->add_option("--fegrp", options.codes.code_group, "QM code group")->capture_default_str();
     command->add_option("--fecod", options.codes.code, "QM code")->capture_default_str();
     command->callback([] {
-        if (const auto done = export_defects(options); !done) {
-            std::cerr << done.error().sentence << '\n';
-            throw CLI::RuntimeError(1);
-        }
+        if (const auto done = export_defects(options); !done) refuse(done.error());
     });
 }
 

@@ -11,7 +11,6 @@
 #include <random>
 
 #include "appliance/calibration/toml_section.h"
-#include "appliance/calibration/whole_file.h"
 
 namespace deixis {
 namespace {
@@ -351,19 +350,6 @@ TEST(UtcTime, KnowsTimesFromOtherText) {
           "2026-00-22T10:00:00Z", "2026-11-32T10:00:00Z", "2026-11-22T24:00:00Z", "2026-11-22T10:00:00.Z",
           "2026-11-22T10:00:00,5Z", "2026-11-22T10:0a:00Z"})
         EXPECT_FALSE(is_utc_time(text)) << text;
-}
-
-TEST(WholeFile, AFailedWriteLeavesTheOldFile) {
-    const fs::path path = temporary("kept.txt");
-    ASSERT_TRUE(write_whole_file(path, "old"));
-    fs::create_directory(path.string() + ".new");  // stands where the new file would be written
-    EXPECT_THAT(write_whole_file(path, "new").error().sentence, HasSubstr("kept.txt: cannot be written"));
-    EXPECT_EQ(*read_whole_file(path, 10), "old");
-    fs::remove(path.string() + ".new");
-    ASSERT_TRUE(write_whole_file(path, "new"));
-    EXPECT_EQ(*read_whole_file(path, 3), "new");
-    EXPECT_THAT(read_whole_file(path, 2).error().sentence, HasSubstr("expected at most 2 bytes"));
-    fs::remove(path);
 }
 
 }  // namespace
