@@ -37,10 +37,7 @@ Result<Expected> read_expected(const std::filesystem::path& path) {
     } catch (const toml::parse_error& error) {
         const auto line = error.source().begin.line;
         const std::string place = line == 0 ? "" : " line " + std::to_string(line);
-        std::string what(error.description());  // quotes the file, whatever stands there
-        std::replace_if(
-            what.begin(), what.end(), [](unsigned char c) { return c < 0x20; }, ' ');
-        return fail(path.string() + place + ": " + what);
+        return fail(path.string() + place + ": " + std::string(error.description()));
     }
     Expected expected;
     for (const auto& [key, node] : table) {
@@ -48,7 +45,7 @@ Result<Expected> read_expected(const std::filesystem::path& path) {
                                             [&](const Criterion& known) { return key.str() == known.key; });
         const std::string place = path.string() + ": " + std::string(key.str());
         if (criterion == criteria.end()) {
-            expected.warnings.push_back(path.string() + ": unknown key " + std::string(key.str()));
+            expected.warnings.push_back(one_line(path.string() + ": unknown key " + std::string(key.str())));
             continue;
         }
         const std::optional<double> value = node.is_number() ? node.value<double>() : std::nullopt;

@@ -139,7 +139,8 @@ void JsonObject::warn_unknown(std::initializer_list<std::string_view> known, std
                               std::vector<std::string>& warnings) const {
     for (const std::string& key : keys()) {
         if (std::find(known.begin(), known.end(), key) != known.end()) continue;
-        if (seen.insert(prefix_ + key).second) warnings.push_back(place_ + ": unknown key " + prefix_ + key);
+        if (seen.insert(prefix_ + key).second)
+            warnings.push_back(one_line(place_ + ": unknown key " + prefix_ + key));
     }
 }
 

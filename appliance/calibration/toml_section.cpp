@@ -10,13 +10,6 @@
 namespace deixis {
 namespace {
 
-/// What came out of a file may hold anything; a sentence is one line.
-std::string one_line(std::string text) {
-    for (char& c : text)
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-    return text;
-}
-
 /// A value as the file has it, not endless.
 std::string shown(const toml::node& node) {
     if (node.is_table()) return "a table";
@@ -59,7 +52,7 @@ Result<toml::table> parse_toml(std::string_view text, const std::string& file) {
     } catch (const toml::parse_error& error) {
         return fail(file + ": line " + std::to_string(error.source().begin.line) + ", column " +
                     std::to_string(error.source().begin.column) +
-                    ": expected TOML: " + one_line(std::string(error.description())));
+                    ": expected TOML: " + std::string(error.description()));
     }
 }
 

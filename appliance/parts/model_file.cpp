@@ -65,11 +65,8 @@ Result<SurfaceMesh> read_mesh_file(const std::filesystem::path& file) {
         importer.SetPropertyBool(AI_CONFIG_IMPORT_NO_SKELETON_MESHES, true);
         const aiScene* scene =
             importer.ReadFile(file.string(), aiProcess_Triangulate | aiProcess_JoinIdenticalVertices);
-        if (scene == nullptr) {
-            std::string why = importer.GetErrorString();
-            std::replace(why.begin(), why.end(), '\n', ' ');
-            return fail(file.string() + ": the mesh cannot be read (" + why + ").");
-        }
+        if (scene == nullptr)
+            return fail(file.string() + ": the mesh cannot be read (" + importer.GetErrorString() + ").");
         SurfaceMesh mesh;
         for (unsigned i = 0; i < scene->mNumMeshes; ++i) append_assimp_mesh(mesh, *scene->mMeshes[i]);
         return mesh;

@@ -153,12 +153,6 @@ Reply take_reply(int pipe, Clock::time_point deadline, SurfaceMesh& mesh, std::s
     return take_end(pipe, deadline);
 }
 
-std::string one_line(std::string text) {
-    std::replace_if(
-        text.begin(), text.end(), [](unsigned char c) { return c < 0x20 || c == 0x7f; }, ' ');
-    return text;
-}
-
 std::string seconds_text(double seconds) {
     char text[32];
     std::snprintf(text, sizeof text, "%.3g s", seconds);
@@ -200,7 +194,7 @@ Result<SurfaceMesh> load_mesh(const std::filesystem::path& model, double metres_
     if (reply == Reply::nonsense) return fail(name + ": the model reader gave no sensible answer.");
     if (end) return fail(name + ": the model reader " + *end + "; is the file damaged?");
     if (reply == Reply::cut) return fail(name + ": the model reader ended without an answer.");
-    if (!sentence.empty()) return fail(one_line(std::move(sentence)));
+    if (!sentence.empty()) return fail(std::move(sentence));
     return checked_mesh(std::move(mesh), model);
 }
 

@@ -16,7 +16,8 @@ void warn_unknown(const toml::table& table, std::initializer_list<std::string_vi
                   const std::string& file, const std::string& prefix, std::vector<std::string>& warnings) {
     for (const auto& [key, value] : table)
         if (std::find(known.begin(), known.end(), key.str()) == known.end())
-            warnings.push_back(file + ": unknown key `" + prefix + std::string(key.str()) + "` is ignored.");
+            warnings.push_back(
+                one_line(file + ": unknown key `" + prefix + std::string(key.str()) + "` is ignored."));
 }
 
 Result<std::string> text_of(const toml::table& table, const std::string& key, const std::string& file,
@@ -86,11 +87,9 @@ Result<PartFile> read_part_file(const std::filesystem::path& path) {
     try {
         table = toml::parse_file(file);
     } catch (const toml::parse_error& problem) {
-        std::string what(problem.description());  // quotes the file, whatever stands there
-        std::replace_if(
-            what.begin(), what.end(), [](unsigned char c) { return c < 0x20; }, ' ');
         std::ostringstream sentence;
-        sentence << file << ": line " << problem.source().begin.line << " is not TOML (" << what << ").";
+        sentence << file << ": line " << problem.source().begin.line << " is not TOML ("
+                 << problem.description() << ").";
         return fail(sentence.str());
     }
     PartFile part;

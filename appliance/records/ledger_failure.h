@@ -19,7 +19,7 @@ LedgerFailure explain(const SQLite::Exception& complaint, const std::string& doi
 LedgerFailure damaged_ledger(const std::filesystem::path& file, const std::string& detail);
 
 inline tl::unexpected<LedgerFailure> ledger_fail(LedgerTrouble trouble, std::string sentence) {
-    return tl::unexpected<LedgerFailure>(LedgerFailure{{std::move(sentence)}, trouble});
+    return tl::unexpected<LedgerFailure>(LedgerFailure{{one_line(std::move(sentence))}, trouble});
 }
 
 }  // namespace deixis

@@ -17,13 +17,11 @@ constexpr size_t longest_path = 255;  ///< OpenNI2 refuses longer ones
 /// OpenNI2's player walks its stream list without a lock for a moment after `stop`.
 constexpr std::chrono::milliseconds after_stop{40};
 
-std::string one_line(const char* text) {
-    std::string line = text == nullptr ? "" : text;
-    while (!line.empty() && (line.back() == '\n' || line.back() == ' ' || line.back() == '\t'))
-        line.pop_back();
-    for (char& c : line)
-        if (c == '\n' || c == '\t') c = ' ';
-    return line;
+/// What OpenNI2 says went wrong: it ends its texts with a newline or two.
+std::string openni_reason() {
+    std::string text = one_line(openni::OpenNI::getExtendedError());
+    while (text.ends_with(' ')) text.pop_back();
+    return text;
 }
 
 std::string size_of(int width, int height) {
@@ -74,7 +72,7 @@ OpenniReader::~OpenniReader() {
 
 Result<void> OpenniReader::Impl::open_device() {
     if (openni::OpenNI::initialize() != openni::STATUS_OK)
-        return fail(uri + ": OpenNI2 does not start: " + one_line(openni::OpenNI::getExtendedError()));
+        return fail(uri + ": OpenNI2 does not start: " + openni_reason());
     initialized = true;
     openni::OpenNI::addDeviceDisconnectedListener(&disconnect);
     std::string path = uri;
@@ -85,12 +83,12 @@ Result<void> OpenniReader::Impl::open_device() {
     }
     const bool any = !recording && (uri.empty() || uri == "any");
     if (device.open(any ? openni::ANY_DEVICE : path.c_str()) != openni::STATUS_OK)
-        return fail(uri + ": cannot be opened: " + one_line(openni::OpenNI::getExtendedError()));
+        return fail(uri + ": cannot be opened: " + openni_reason());
     disconnect.watch(device.getDeviceInfo().getUri());
     if (device.isFile() != recording)
         return fail(uri + (recording ? ": is not a recording" : ": is a recording, expected a live device"));
     if (stream.create(device, openni::SENSOR_DEPTH) != openni::STATUS_OK)
-        return fail(uri + ": has no depth stream: " + one_line(openni::OpenNI::getExtendedError()));
+        return fail(uri + ": has no depth stream: " + openni_reason());
     return {};
 }
 
@@ -121,8 +119,7 @@ Result<void> OpenniReader::Impl::choose_live_mode() {
     if (best == nullptr)
         return fail(uri + ": offers no depth of " + size_of(width, height) + " in millimetres");
     if (stream.setVideoMode(*best) != openni::STATUS_OK)
-        return fail(uri + ": refuses depth of " + size_of(width, height) + ": " +
-                    one_line(openni::OpenNI::getExtendedError()));
+        return fail(uri + ": refuses depth of " + size_of(width, height) + ": " + openni_reason());
     stream.setMirroringEnabled(false);
     if (stream.getMirroringEnabled()) return fail(uri + ": cannot be kept from mirroring its images");
     return {};
@@ -145,8 +142,7 @@ Result<OpenniReader> OpenniReader::open(const std::string& uri, bool recording, 
                     size_of(width, height));
     if (mode.getPixelFormat() != openni::PIXEL_FORMAT_DEPTH_1_MM)
         return fail(uri + ": gives no depth in millimetres");
-    if (m.stream.start() != openni::STATUS_OK)
-        return fail(uri + ": does not start: " + one_line(openni::OpenNI::getExtendedError()));
+    if (m.stream.start() != openni::STATUS_OK) return fail(uri + ": does not start: " + openni_reason());
     m.started = true;
     return reader;
 }
@@ -161,10 +157,9 @@ OpenniReader::Read OpenniReader::read(OpenniFrame& out, std::chrono::millisecond
         openni::OpenNI::waitForAnyStream(streams, 1, &index, static_cast<int>(patience.count()));
     if (waited == openni::STATUS_TIME_OUT)
         return m.disconnect.gone() ? m.refuse("was disconnected") : Read::nothing;
-    if (waited != openni::STATUS_OK)
-        return m.refuse("cannot be waited for: " + one_line(openni::OpenNI::getExtendedError()));
+    if (waited != openni::STATUS_OK) return m.refuse("cannot be waited for: " + openni_reason());
     if (m.stream.readFrame(&m.frame) != openni::STATUS_OK || !m.frame.isValid())
-        return m.refuse("cannot be read: " + one_line(openni::OpenNI::getExtendedError()));
+        return m.refuse("cannot be read: " + openni_reason());
 
     const int width = m.frame.getWidth(), height = m.frame.getHeight(), stride = m.frame.getStrideInBytes();
     if (width != m.width || height != m.height || m.frame.getCroppingEnabled())

@@ -54,8 +54,9 @@ class Section {
     ~Section() {
         for (const auto& [key, value] : table_)
             if (!asked_.contains(std::string(key.str())))
-                findings_.warnings.push_back(findings_.file + ": key \"" + path(std::string(key.str())) +
-                                             "\" is unknown and was ignored");
+                findings_.warnings.push_back(one_line(findings_.file + ": key \"" +
+                                                      path(std::string(key.str())) +
+                                                      "\" is unknown and was ignored"));
     }
     Section(const Section&) = delete;
     Section& operator=(const Section&) = delete;
@@ -353,10 +354,8 @@ Result<Scenario> parse_scenario(const std::string& text, const std::filesystem::
     try {
         table = toml::parse(text, path.string());
     } catch (const toml::parse_error& error) {
-        std::string what(error.description());  // quotes the file, whatever stands there
-        std::replace_if(
-            what.begin(), what.end(), [](unsigned char c) { return c < 0x20; }, ' ');
-        return fail(path.string() + ": line " + std::to_string(error.source().begin.line) + ": " + what);
+        return fail(path.string() + ": line " + std::to_string(error.source().begin.line) + ": " +
+                    std::string(error.description()));
     }
     Scenario scenario;
     scenario.file = path;

@@ -13,13 +13,6 @@ namespace {
 
 constexpr int64_t largest_int = std::numeric_limits<int>::max();
 
-/// What came out of a file may hold anything; a sentence is one line.
-std::string one_line(std::string text) {
-    for (char& c : text)
-        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
-    return text;
-}
-
 std::string shown(const toml::node& node) {
     std::ostringstream text;
     node.visit([&](const auto& value) {
@@ -32,7 +25,7 @@ std::string shown(const toml::node& node) {
     });
     std::string s = text.str();
     if (s.size() > 60) s = s.substr(0, 57) + "...";
-    return one_line(std::move(s));
+    return s;
 }
 
 /// Stores the node; false when its type or size does not fit.
@@ -134,7 +127,7 @@ Result<void> apply_settings(const SettingsTable& table, std::string_view text, c
         root = toml::parse(text);
     } catch (const toml::parse_error& error) {
         return fail(file + ": line " + std::to_string(error.source().begin.line) +
-                    " is not TOML: " + one_line(std::string(error.description())));
+                    " is not TOML: " + std::string(error.description()));
     }
     for (const auto& [key, node] : root) {
         const std::string name(key.str());
@@ -153,8 +146,7 @@ Result<void> apply_settings(const SettingsTable& table, std::string_view text, c
         const InvalidSettings complaints = section.validate();
         if (complaints.empty()) continue;
         const InvalidSetting& c = complaints.front();
-        return fail(one_line(file + ": " + section.name + "." + c.key + " is " + c.value + ", allowed is " +
-                             c.range));
+        return fail(file + ": " + section.name + "." + c.key + " is " + c.value + ", allowed is " + c.range);
     }
     return {};
 }

@@ -17,8 +17,16 @@ struct Failure {
 template <class T>
 using Result = tl::expected<T, Failure>;
 
+/// What came out of a file or a library may hold anything; a sentence is one line: control characters
+/// become spaces.
+inline std::string one_line(std::string text) {
+    for (char& c : text)
+        if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = ' ';
+    return text;
+}
+
 inline tl::unexpected<Failure> fail(std::string sentence) {
-    return tl::unexpected<Failure>(Failure{std::move(sentence)});
+    return tl::unexpected<Failure>(Failure{one_line(std::move(sentence))});
 }
 
 /// A setting outside its range. `key` is the bare field name; the settings reader puts the section before it.
