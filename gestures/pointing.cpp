@@ -86,7 +86,7 @@ InvalidSettings PointingParams::validate() const {
     require_range(complaints, "touch_m", touch_m, 0, 0.2);
     require_range(complaints, "snap_m", snap_m, 0, 0.5);
     require_range(complaints, "tip_sigma_m", tip_sigma_m, 0.001, 0.2);
-    require_range(complaints, "direction_sigma_deg", direction_sigma_deg, 0.1, 20);
+    require_range(complaints, "direction_sigma_deg", direction_sigma_deg, 0, 20);
     require_range(complaints, "closeness_m", closeness_m, 0.01, 10);
     return complaints;
 }

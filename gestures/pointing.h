@@ -30,7 +30,7 @@ struct PointingParams {
     double touch_m = 0.05;              ///< a surface nearer than this before the fingertip is touched [m]
     double snap_m = 0.06;               ///< a ray passing this near to the part means its nearest spot [m]
     double tip_sigma_m = 0.03;          ///< of the fingertip, across the ray [m]
-    double direction_sigma_deg = 11.5;  ///< of the ray's direction [degrees]
+    double direction_sigma_deg = 11.5;  ///< of the ray's direction [degrees]; 0: the ray's own cut alone
     double closeness_m = 0.06;          ///< scale of the gap that workers leave before what they mean [m]
 
     InvalidSettings validate() const;

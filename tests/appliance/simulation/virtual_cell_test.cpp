@@ -73,11 +73,16 @@ TEST(VirtualCell, FingertipAndJointsLieInsideWhatIsSeen) {
         for (size_t s = 0; s < 2; ++s) {
             cell.render_clean(s, t, image);
             const CalibratedSensor& sensor = cell.rig().sensors[s];
-            // Joint and how deep it lies in the body at most. Not the head: the top of the skull is on the
-            // outline.
-            const std::vector<std::pair<Vector3d, double>> places{
-                {(*truth.joints)[1], 0.16}, {(*truth.joints)[4], 0.10}, {(*truth.joints)[5], 0.10},
-                {(*truth.joints)[6], 0.09}, {(*truth.joints)[7], 0.09}, {(*truth.joints)[8], 0.26}};
+            // Joint and how deep it lies in the body at most. The head's joint is the top of the skull, on
+            // the outline: what must be seen is the head below it.
+            const Vector3d skull = (*truth.joints)[0], neck = (*truth.joints)[1];
+            const std::vector<std::pair<Vector3d, double>> places{{skull + 0.4 * (neck - skull), 0.16},
+                                                                  {(*truth.joints)[1], 0.16},
+                                                                  {(*truth.joints)[4], 0.10},
+                                                                  {(*truth.joints)[5], 0.10},
+                                                                  {(*truth.joints)[6], 0.09},
+                                                                  {(*truth.joints)[7], 0.09},
+                                                                  {(*truth.joints)[8], 0.26}};
             for (const auto& [joint, depth] : places) {
                 const Vector3d p = sensor.camera_from_world * joint;
                 const Eigen::Vector2d pixel = sensor.camera.project(p);
