@@ -53,7 +53,8 @@ class SensorLoop {
     bool running_ = false;
 };
 
-/// False when it is time to end.
+/// Between two tries of a device that is not there: nothing announces when it is. False when it is time to
+/// end.
 bool SensorLoop::rest(milliseconds t) {
     std::this_thread::sleep_for(t);
     ring_.beat();
@@ -81,6 +82,7 @@ bool SensorLoop::wait_until_due(int64_t timestamp_us, bool& too_late) {
         too_late = -left > too_late_us && !ring_.geometry().blocking;
         if (left <= 0) return true;
         const int64_t pause = std::min<int64_t>(left, std::chrono::microseconds(longest_wait).count());
+        // The recording's own clock says when the next frame is due; nothing else could wake us.
         std::this_thread::sleep_for(std::chrono::microseconds(pause));
         ring_.beat();
         if (must_end()) return false;

@@ -176,7 +176,7 @@ class VirtualDriver : public oni::driver::DriverBase {
         follow_plan();
         watcher_ = std::jthread([this](const std::stop_token& stop) {
             while (!stop.stop_requested()) {
-                std::this_thread::sleep_for(plan_interval);
+                std::this_thread::sleep_for(plan_interval);  // the plan is a file that anyone may rewrite
                 follow_plan();
             }
         });
@@ -189,7 +189,7 @@ class VirtualDriver : public oni::driver::DriverBase {
         if (!port || port->behaviour == VirtualBehaviour::unplugged) return nullptr;
         while (port->behaviour == VirtualBehaviour::stuck) {
             lock.unlock();
-            std::this_thread::sleep_for(plan_interval);
+            std::this_thread::sleep_for(plan_interval);  // hangs, as some drivers do, until the plan frees it
             lock.lock();
         }
         return new VirtualDevice(port);

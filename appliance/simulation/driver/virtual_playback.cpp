@@ -20,7 +20,7 @@ int64_t now_us() {
         .count();
 }
 
-/// False when `stop` came first.
+/// Waits as a device does until its next exposure. False when `stop` came first.
 bool sleep_until(int64_t due_us, const std::stop_token& stop) {
     for (;;) {
         if (stop.stop_requested()) return false;

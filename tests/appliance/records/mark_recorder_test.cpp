@@ -21,7 +21,7 @@ class MarkRecorderTest : public LedgerFolder {
     static void wait_until(const std::function<bool()>& done) {
         const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(20);
         while (!done() && std::chrono::steady_clock::now() < deadline)
-            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));  // its thread has no other sign
         ASSERT_TRUE(done());
     }
 

@@ -126,7 +126,7 @@ TEST_F(RecordProcess, KeepsTwoStreamsToTheBit) {
 TEST_F(RecordProcess, CtrlCFinishesProperly) {
     start({});
     ASSERT_TRUE(wait_for(said_in(), "recording"));
-    usleep(1'000'000);
+    usleep(1'000'000);  // a second of frames to keep
     kill(record_->process_id(), SIGINT);
     EXPECT_EQ(end(), "ended with code 0") << text_of(complained_in());
     const auto session = open_session(out_);
@@ -137,7 +137,7 @@ TEST_F(RecordProcess, CtrlCFinishesProperly) {
 TEST_F(RecordProcess, KilledRecordingIsMended) {
     start({});
     ASSERT_TRUE(wait_for(said_in(), "recording"));
-    usleep(1'200'000);
+    usleep(1'200'000);  // more than a second of frames to mend
     kill(record_->process_id(), SIGKILL);
     end();
     EXPECT_FALSE(std::filesystem::exists(out_));
@@ -154,7 +154,7 @@ TEST_F(RecordProcess, KilledRecordingIsMended) {
 TEST_F(RecordProcess, GoesOnWithTheOtherWhenOneIsPulled) {
     start({"--seconds", "6"});
     ASSERT_TRUE(wait_for(said_in(), "recording"));
-    usleep(1'000'000);
+    usleep(1'000'000);  // both record a while before one goes
     stage_.set("right", "unplugged");
     ASSERT_TRUE(wait_for(complained_in(), "sensor \"right\" is missing: virtual://right: "));
     stage_.set("right", "running");

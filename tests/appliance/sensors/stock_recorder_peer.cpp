@@ -25,12 +25,14 @@ int main(int argc, char** argv) {
             return 1;
         }
     }
+    // The Recorder works on its own threads; how long it records is what is asked for.
     std::this_thread::sleep_for(std::chrono::milliseconds(static_cast<int>(1'000 * std::atof(argv[2]))));
     for (int i = 0; i < 2; ++i) {
         recorders[i].stop();
         streams[i].stop();
         recorders[i].destroy();
     }
+    // OpenNI2's player walks its stream list without a lock for a moment after `stop`.
     std::this_thread::sleep_for(std::chrono::milliseconds(40));
     for (int i = 0; i < 2; ++i) {
         streams[i].destroy();
