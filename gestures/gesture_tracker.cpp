@@ -24,28 +24,18 @@ std::optional<Eigen::Vector3d> horizontal(Eigen::Vector3d v) {
     return v.normalized();
 }
 
-GestureTracker::Params with_settings(GestureTracker::Params params) {
-    params.stillness.dwell_s = params.dwell_s;
-    params.pointing.eye_weight = params.eye_weight;
-    params.pointing.max_reach_m = params.max_reach_m;
-    params.pointing.touch_m = params.touch_m;
-    return params;
-}
-
 }  // namespace
 
 InvalidSettings GestureTracker::Params::validate() const {
-    const Params whole = with_settings(*this);
-    InvalidSettings complaints = whole.limbs.validate();
-    require_range(complaints, "reach_out_m", whole.reach_out_m, 0, 1);
-    for (const InvalidSettings& more :
-         {whole.arms.validate(), whole.pointing.validate(), whole.stillness.validate()})
+    InvalidSettings complaints = limbs.validate();
+    require_range(complaints, "reach_out_m", reach_out_m, 0, 1);
+    for (const InvalidSettings& more : {arms.validate(), pointing.validate(), stillness.validate()})
         complaints.insert(complaints.end(), more.begin(), more.end());
     return complaints;
 }
 
 GestureTracker::GestureTracker(const SensorRig& rig, const Params& params)
-    : params_(with_settings(params)),
+    : params_(params),
       axis_(rig.pointing_axis ? horizontal(*rig.pointing_axis) : std::nullopt),
       limbs_(params.limbs),
       arms_(depth_sensors_of(rig), params.arms),

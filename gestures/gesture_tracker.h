@@ -40,13 +40,7 @@ struct GestureOutput {
 /// Deterministic; depends on time only through the stamps. After a jump back of the stamps it starts afresh.
 class GestureTracker {
   public:
-    /// The first four are what a station sets; they stand in place of the fields of the same name in the
-    /// stages.
     struct Params {
-        double dwell_s = 1.0;      ///< how long a point is held to be a mark [s]
-        double eye_weight = 0.30;  ///< 0 = along the forearm, 1 = from the eye through the fingertip
-        double max_reach_m = 1.2;  ///< a hit farther than this from the fingertip is none [m]
-        double touch_m = 0.05;     ///< a surface nearer than this before the fingertip is touched [m]
         double reach_out_m =
             0.22;  ///< fingertip from the middle of the body towards the spot, horizontally [m]
         LimbFinder::Params limbs;

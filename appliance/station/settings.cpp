@@ -3,6 +3,7 @@
 
 #include <fstream>
 #include <iterator>
+#include <set>
 
 namespace deixis {
 namespace {
@@ -12,6 +13,18 @@ constexpr std::uintmax_t largest_settings_file = 1 << 20;
 template <class P>
 SettingSection section(const char* name, P& params, std::vector<SettingField> fields) {
     return {name, std::move(fields), [&params] { return params.validate(); }};
+}
+
+/// One of several sections that hold the fields of `params`: each names only what stands in it.
+template <class P>
+SettingSection shared_section(const char* name, P& params, std::vector<SettingField> fields) {
+    std::set<std::string> keys;
+    for (const SettingField& field : fields) keys.insert(field.key);
+    return {name, std::move(fields), [&params, keys = std::move(keys)] {
+                InvalidSettings complaints = params.validate();
+                std::erase_if(complaints, [&](const InvalidSetting& c) { return !keys.contains(c.key); });
+                return complaints;
+            }};
 }
 
 SettingSection foreground_section(ForegroundModel::Params& p) {
@@ -83,12 +96,54 @@ SettingSection worker_section(WorkerVolume::Params& p) {
                     {"min_voxels", &p.min_voxels}});
 }
 
+/// What a plant sets stands in [gesture]; how the stages do it in sections of their own.
 SettingSection gesture_section(GestureTracker::Params& p) {
-    return section("gesture", p,
-                   {{"dwell_s", &p.dwell_s},
-                    {"eye_weight", &p.eye_weight},
-                    {"max_reach_m", &p.max_reach_m},
-                    {"touch_m", &p.touch_m}});
+    return shared_section("gesture", p,
+                          {{"dwell_s", &p.stillness.dwell_s},
+                           {"eye_weight", &p.pointing.eye_weight},
+                           {"max_reach_m", &p.pointing.max_reach_m},
+                           {"touch_m", &p.pointing.touch_m},
+                           {"reach_out_m", &p.reach_out_m}});
+}
+
+SettingSection limb_section(LimbFinder::Params& p) {
+    return section(
+        "limb", p,
+        {{"min_length_m", &p.min_length_m}, {"max_length_m", &p.max_length_m}, {"bridge_m", &p.bridge_m}});
+}
+
+SettingSection arm_section(ArmFinder::Params& p) {
+    return section("arm", p,
+                   {{"min_length_m", &p.min_length_m},
+                    {"forearm_of_height", &p.forearm_of_height},
+                    {"max_width_m", &p.max_width_m},
+                    {"min_off_trunk_m", &p.min_off_trunk_m},
+                    {"min_tip_height_m", &p.min_tip_height_m},
+                    {"steepest_down", &p.steepest_down},
+                    {"eye_of_height", &p.eye_of_height}});
+}
+
+SettingSection pointing_section(PointingParams& p) {
+    return shared_section("pointing", p,
+                          {{"snap_m", &p.snap_m},
+                           {"tip_sigma_m", &p.tip_sigma_m},
+                           {"direction_sigma_deg", &p.direction_sigma_deg},
+                           {"closeness_m", &p.closeness_m}});
+}
+
+SettingSection stillness_section(DwellDetector::Params& p) {
+    return shared_section("stillness", p,
+                          {{"slow_ends_s", &p.slow_ends_s},
+                           {"gap_s", &p.gap_s},
+                           {"across_radius_m", &p.across_radius_m},
+                           {"across_drift_m", &p.across_drift_m},
+                           {"along_drift_m", &p.along_drift_m},
+                           {"spot_radius_m", &p.spot_radius_m},
+                           {"spot_drift_m", &p.spot_drift_m},
+                           {"steady_share", &p.steady_share},
+                           {"away_m", &p.away_m},
+                           {"away_s", &p.away_s},
+                           {"gone_s", &p.gone_s}});
 }
 
 SettingSection recorder_section(MarkRecorderParams& p) {
@@ -168,6 +223,10 @@ SettingsTable settings_table(Settings& s) {
         section("perception", s.perception,
                 {{"part_margin_m", &s.perception.part_margin_m}, {"threads", &s.perception.threads}}),
         gesture_section(s.perception.gesture),
+        limb_section(s.perception.gesture.limbs),
+        arm_section(s.perception.gesture.arms),
+        pointing_section(s.perception.gesture.pointing),
+        stillness_section(s.perception.gesture.stillness),
         section("record", s.ledger,
                 {{"busy_timeout_ms", &s.ledger.busy_timeout_ms}, {"check_on_open", &s.ledger.check_on_open}}),
         recorder_section(s.recorder),

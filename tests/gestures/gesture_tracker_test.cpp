@@ -151,7 +151,7 @@ TEST(GestureTracker, AHeldPointIsOneMarkNearItsSpotWithItsArm) {
             Cell world;
             world.noise.seed = static_cast<uint32_t>(10 * target.x() + 20 + side);
             GestureTracker::Params params;
-            params.eye_weight = 0;  // the arm is straight from the shoulder
+            params.pointing.eye_weight = 0;  // the arm is straight from the shoulder
             const DepthScene scene = world.scene(target + front, side);
             const Seen seen = play(world, {{scene, 1.6}}, params);
             ASSERT_EQ(seen.marks.size(), 1U) << side << " " << target.transpose();
@@ -262,10 +262,10 @@ TEST(GestureTracker, TheSameFramesGiveTheSameMarks) {
 TEST(GestureTracker, ParamsOfAllStagesAreChecked) {
     EXPECT_TRUE(GestureTracker::Params{}.validate().empty());
     GestureTracker::Params params;
-    params.dwell_s = 0;
-    params.eye_weight = 2;
-    params.touch_m = -1;
-    params.max_reach_m = 0;
+    params.stillness.dwell_s = 0;
+    params.pointing.eye_weight = 2;
+    params.pointing.touch_m = -1;
+    params.pointing.max_reach_m = 0;
     params.limbs.min_length_m = 0;
     EXPECT_EQ(params.validate().size(), 5U);
 }

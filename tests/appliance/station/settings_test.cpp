@@ -41,6 +41,8 @@ TEST(Settings, DescriptionReadBackUncommentedGivesTheSameDescription) {
 TEST(Settings, ValuesAreTaken) {
     const auto file = parse_settings(R"([gesture]
 dwell_s = 2
+[stillness]
+gap_s = 0.3
 [plc]
 mode = "server"
 port = 1602
@@ -49,7 +51,8 @@ check_on_open = false
 )",
                                      "s.toml");
     ASSERT_TRUE(file) << file.error().sentence;
-    EXPECT_EQ(file->settings.perception.gesture.dwell_s, 2.0);
+    EXPECT_EQ(file->settings.perception.gesture.stillness.dwell_s, 2.0);
+    EXPECT_EQ(file->settings.perception.gesture.stillness.gap_s, 0.3);
     EXPECT_EQ(file->settings.plc.mode, "server");
     EXPECT_EQ(file->settings.plc.port, 1602);
     EXPECT_FALSE(file->settings.ledger.check_on_open);
@@ -100,6 +103,11 @@ INSTANTIATE_TEST_SUITE_P(
         BadSettings{"[gesture]\ndwell_s = -1.0", "s.toml: gesture.dwell_s is -1.0"},
         BadSettings{"[gesture]\ndwell_s = 1e300", "s.toml: gesture.dwell_s is "},
         BadSettings{"[gesture]\neye_weight = 1.5", "s.toml: gesture.eye_weight is 1.5"},
+        BadSettings{"[gesture]\nreach_out_m = -1.0", "s.toml: gesture.reach_out_m is -1.0"},
+        BadSettings{"[limb]\nmin_length_m = 0.0", "s.toml: limb.min_length_m is 0.0"},
+        BadSettings{"[arm]\nmin_length_m = 0.0", "s.toml: arm.min_length_m is 0.0"},
+        BadSettings{"[pointing]\nsnap_m = 3.0", "s.toml: pointing.snap_m is 3.0"},
+        BadSettings{"[stillness]\ngap_s = 9.0", "s.toml: stillness.gap_s is 9.0"},
         BadSettings{"[foreground]\nneighbours = 2.5",
                     "s.toml: foreground.neighbours is 2.5, expected a whole number"},
         BadSettings{"[foreground]\nneighbours = 99", "s.toml: foreground.neighbours is 99"},
