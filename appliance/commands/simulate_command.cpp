@@ -13,6 +13,7 @@
 #include "appliance/commands/commands.h"
 #include "appliance/commands/program_path.h"
 #include "appliance/commands/refusal.h"
+#include "appliance/commands/stop_signal.h"
 #include "appliance/parts/model_reader.h"
 #include "appliance/parts/part_model.h"
 #include "appliance/parts/sample_bumper.h"
@@ -114,6 +115,8 @@ class FrameSink {
     virtual Result<void> part(const fs::path& part_toml, const fs::path& model) = 0;
     virtual Result<void> expected(const std::string& toml) = 0;
     virtual Result<void> finish() = 0;
+    /// Where all lies until `finish`.
+    virtual fs::path unfinished() const = 0;
 };
 
 class SessionSink : public FrameSink {
@@ -132,6 +135,7 @@ class SessionSink : public FrameSink {
     }
     Result<void> expected(const std::string& toml) override { return writer_.set_expected(toml); }
     Result<void> finish() override { return writer_.finish(); }
+    fs::path unfinished() const override { return writer_.working_folder(); }
 
   private:
     SessionWriter writer_;
@@ -189,6 +193,7 @@ class FolderSink : public FrameSink {
         if (!truth_) return fail((folder_ / "truth.jsonl").string() + ": cannot be written");
         return {};
     }
+    fs::path unfinished() const override { return folder_; }
 
   private:
     fs::path folder_;
@@ -250,7 +255,7 @@ Result<void> render_all(VirtualCell& cell, FrameSink& sink, bool quiet) {
         for (size_t s = 0; s < sensors; ++s)
             threads.emplace_back([&, s] {
                 DepthFrame frame;
-                for (int64_t i = 0; i < cell.frame_count(s) && !stop; ++i) {
+                for (int64_t i = 0; i < cell.frame_count(s) && !stop && !stop_requested(); ++i) {
                     cell.render(s, i, frame);
                     if (outcome[s] = sink.frame(s, i, frame); !outcome[s]) stop = true;
                     const int64_t now = ++done;
@@ -262,7 +267,26 @@ Result<void> render_all(VirtualCell& cell, FrameSink& sink, bool quiet) {
     }
     for (auto& one : outcome)
         if (!one) return one;
+    if (stop_requested()) return fail("stopped by a signal; nothing is kept");
     return {};
+}
+
+/// All that a session of `cell` consists of, frames last.
+Result<void> fill(FrameSink& sink, VirtualCell& cell, const Scenario& scenario, const fs::path& part_toml,
+                  const fs::path& model, bool quiet) {
+    for (size_t s = 0; s < cell.rig().sensors.size(); ++s)
+        if (auto done = sink.background(s, cell.background(s)); !done) return done;
+    if (scenario.part.present)
+        if (auto done = sink.part(part_toml, model); !done) return done;
+    if (!scenario.expected.empty())
+        if (auto done = sink.expected(expected_toml(scenario)); !done) return done;
+    for (int64_t i = 0; i < cell.frame_count(0); ++i) {
+        const FrameTiming when = cell.timing(0, i);
+        if (auto done = sink.truth(truth_line(cell.truth(when.time_s), when.timestamp_us)); !done)
+            return done;
+    }
+    if (auto done = render_all(cell, sink, quiet); !done) return done;
+    return sink.finish();
 }
 
 Result<void> simulate(const SimulateOptions& options) {
@@ -301,19 +325,14 @@ Result<void> simulate(const SimulateOptions& options) {
         if (!writer) return tl::unexpected(writer.error());
         sink = std::make_unique<SessionSink>(std::move(*writer));
     }
-    for (size_t s = 0; s < cell->rig().sensors.size(); ++s)
-        if (auto done = sink->background(s, cell->background(s)); !done) return done;
-    if (scenario->part.present)
-        if (auto done = sink->part(passing.path() / "part.toml", model); !done) return done;
-    if (!scenario->expected.empty())
-        if (auto done = sink->expected(expected_toml(*scenario)); !done) return done;
-    for (int64_t i = 0; i < cell->frame_count(0); ++i) {
-        const FrameTiming when = cell->timing(0, i);
-        if (auto done = sink->truth(truth_line(cell->truth(when.time_s), when.timestamp_us)); !done)
-            return done;
-    }
-    if (auto done = render_all(*cell, *sink, options.quiet); !done) return done;
-    return sink->finish();
+    const fs::path unfinished = sink->unfinished();
+    auto filled = fill(*sink, *cell, *scenario, passing.path() / "part.toml", model, options.quiet);
+    if (filled) return filled;
+    // Half a simulation is worth nothing and would stand in the next one's way.
+    sink.reset();
+    std::error_code ignored;
+    fs::remove_all(unfinished, ignored);
+    return filled;
 }
 
 }  // namespace
@@ -331,6 +350,7 @@ void add_simulate_command(CLI::App& app) {
     command->add_flag("--quiet", options->quiet, "no progress");
     command->callback([options, seed] {
         options->seed_given = seed->count() > 0;
+        catch_stop_signals();
         if (const auto done = simulate(*options); !done) refuse(done.error());
     });
 }
