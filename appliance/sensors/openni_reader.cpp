@@ -2,18 +2,20 @@
 #include "appliance/sensors/openni_reader.h"
 
 #include <OpenNI.h>
-#include <unistd.h>
+#include <stdlib.h>
 
+#include <algorithm>
 #include <atomic>
 #include <cstring>
 #include <filesystem>
+#include <optional>
 #include <thread>
 #include <utility>
 
 namespace deixis {
 namespace {
 
-constexpr size_t longest_path = 255;  ///< OpenNI2 refuses longer ones
+constexpr size_t longest_path = 255;  ///< OpenNI2 refuses longer ones, and dies of bytes that are not ASCII
 /// OpenNI2's player walks its stream list without a lock for a moment after `stop`.
 constexpr std::chrono::milliseconds after_stop{40};
 
@@ -23,6 +25,39 @@ std::string openni_reason() {
     while (text.ends_with(' ')) text.pop_back();
     return text;
 }
+
+/// A name for a recording that OpenNI2 can bear: the file's own, or a link to it in a folder of ours. It is
+/// needed only until the file is open.
+class BearableName {
+  public:
+    explicit BearableName(const std::string& file) : name_(file) {
+        const bool ascii = std::none_of(file.begin(), file.end(), [](char c) { return (c & 0x80) != 0; });
+        bearable_ = ascii && file.size() <= longest_path;
+        if (bearable_) return;
+        char folder[] = "/tmp/deixis-name-XXXXXX";
+        if (mkdtemp(folder) == nullptr) return;
+        folder_ = folder;
+        std::error_code error;
+        const std::string link = folder_ + "/recording.oni";
+        std::filesystem::create_symlink(std::filesystem::absolute(file, error), link, error);
+        if (error) return;
+        name_ = link;
+        bearable_ = true;
+    }
+    BearableName(const BearableName&) = delete;
+    BearableName& operator=(const BearableName&) = delete;
+    ~BearableName() {
+        std::error_code ignored;
+        if (!folder_.empty()) std::filesystem::remove_all(folder_, ignored);
+    }
+    const std::string& text() const { return name_; }
+    /// Nothing could be linked: OpenNI2 must not see the name.
+    bool bearable() const { return bearable_; }
+
+  private:
+    std::string name_, folder_;
+    bool bearable_ = false;
+};
 
 std::string size_of(int width, int height) {
     return std::to_string(width) + "x" + std::to_string(height);
@@ -75,14 +110,14 @@ Result<void> OpenniReader::Impl::open_device() {
         return fail(uri + ": OpenNI2 does not start: " + openni_reason());
     initialized = true;
     openni::OpenNI::addDeviceDisconnectedListener(&disconnect);
-    std::string path = uri;
-    if (recording && path.size() > longest_path) {
-        // This process is the sensor's alone, so it may stand where the recording lies.
-        const std::filesystem::path file(uri);
-        if (chdir(file.parent_path().c_str()) == 0) path = file.filename();
+    std::optional<BearableName> file;
+    if (recording) {
+        file.emplace(uri);
+        if (!file->bearable()) return fail(uri + ": cannot be given a name that OpenNI2 can read");
     }
+    const char* const name = file ? file->text().c_str() : uri.c_str();
     const bool any = !recording && (uri.empty() || uri == "any");
-    if (device.open(any ? openni::ANY_DEVICE : path.c_str()) != openni::STATUS_OK)
+    if (device.open(any ? openni::ANY_DEVICE : name) != openni::STATUS_OK)
         return fail(uri + ": cannot be opened: " + openni_reason());
     disconnect.watch(device.getDeviceInfo().getUri());
     if (device.isFile() != recording)
