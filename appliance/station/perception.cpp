@@ -8,6 +8,7 @@
 
 #include "tracking/geometry/ray_caster.h"
 #include "tracking/volume/cell_bounds.h"
+#include "tracking/volume/live_background.h"
 
 namespace deixis {
 namespace {
@@ -37,6 +38,7 @@ InvalidSettings PerceptionParams::validate() const {
 
 struct Perception::Stages {
     FrameGaps gaps;
+    LiveBackground background;
     ForegroundModel foreground;
     SurfaceFusion surface;
     VoxelCarver carver;
@@ -50,6 +52,7 @@ struct Perception::Stages {
 
     Stages(const WorkCell& cell, const Box& bounds, const PerceptionParams& params)
         : gaps(params.gaps),
+          background(cell.rig.sensors, cell.background, {}),
           foreground(cell.rig.sensors, cell.background, params.foreground),
           surface(cell.rig.sensors, bounds, params.surface),
           carver(cell.rig.sensors, bounds, params.carving),
@@ -97,6 +100,7 @@ Perception::Observation Perception::update(const Frameset& paired) {
     Lap lap;
 
     const Frameset& frameset = s.gaps.update(paired);
+    s.background.update(frameset, s.foreground);
     s.foreground.update(frameset);
     const SurfacePoints& points = s.surface.update(frameset, s.foreground);
     result.stage_ms.foreground = lap();

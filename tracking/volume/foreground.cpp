@@ -56,18 +56,22 @@ ForegroundModel::ForegroundModel(std::vector<CalibratedSensor> depth_sensors,
         sensor.height = depth_sensors[s].camera.height;
         const size_t pixels = static_cast<size_t>(sensor.width) * sensor.height;
         sensor.background.assign(pixels, 0);
-        const auto& image = background[s];
-        if (image && image->width == sensor.width && image->height == sensor.height) {
-            std::copy(image->millimetres.begin(), image->millimetres.end(), sensor.background.begin());
-            fill_holes(sensor.background, sensor.width, sensor.height, params_.hole_pixels);
-        }
-        sensor.threshold.resize(pixels);
-        std::transform(sensor.background.begin(), sensor.background.end(), sensor.threshold.begin(),
-                       [this](float mm) { return threshold_at(mm); });
+        sensor.threshold.assign(pixels, threshold_at(0));
         sensor.farther.assign(pixels, 0);
         sensor.candidate.assign(pixels, 0);
         sensor.mask.assign(pixels, 0);
+        if (background[s]) set_background(s, *background[s]);
     }
+}
+
+void ForegroundModel::set_background(size_t index, const DepthImage& image) {
+    PerSensor& sensor = sensors_[index];
+    if (image.width != sensor.width || image.height != sensor.height) return;
+    std::copy(image.millimetres.begin(), image.millimetres.end(), sensor.background.begin());
+    fill_holes(sensor.background, sensor.width, sensor.height, params_.hole_pixels);
+    std::transform(sensor.background.begin(), sensor.background.end(), sensor.threshold.begin(),
+                   [this](float mm) { return threshold_at(mm); });
+    std::fill(sensor.farther.begin(), sensor.farther.end(), uint8_t{0});
 }
 
 float ForegroundModel::threshold_at(float depth_mm) const {

@@ -38,6 +38,9 @@ class ForegroundModel {
     ForegroundModel(std::vector<CalibratedSensor> depth_sensors,
                     std::vector<std::optional<DepthImage>> background, Params params);
 
+    /// Replaces what is known of the empty cell; an image of another size than the sensor's is ignored.
+    void set_background(size_t sensor, const DepthImage& image);
+
     /// One call a frameset. A sensor that is absent, or whose image has another size than calibrated, gets a
     /// mask of zeros for this frame and keeps its background.
     void update(const Frameset& frameset);
