@@ -63,9 +63,10 @@ void ScreenLink::load_marks() {
 void ScreenLink::show(const Station& station, bool fresh) {
     {
         const std::lock_guard lock(mutex_);
-        if (part_ && part_->serial != station.part_serial()) {
+        if (part_ && (part_->serial != station.part().serial || part_->type != station.part().type)) {
             auto part = std::make_shared<ScreenPart>(*part_);
-            part->serial = station.part_serial();
+            part->type = station.part().type;
+            part->serial = station.part().serial;
             part_ = part;
             load_marks();
         } else {

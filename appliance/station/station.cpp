@@ -4,6 +4,7 @@
 #include <algorithm>
 
 #include "appliance/records/utc_time.h"
+#include "appliance/sensors/host_clock.h"
 
 namespace deixis {
 namespace {
@@ -21,6 +22,7 @@ FrameSourceParams source_params(const StationSetup& setup) {
     params.restart_delay = std::chrono::milliseconds(setup.settings.sensors.restart_delay_ms);
     params.program = setup.program;
     params.driver_folder = setup.driver_folder;
+    params.clock_us = setup.cell.clock_us;
     return params;
 }
 
@@ -44,12 +46,13 @@ struct Station::Impl {
     int64_t framesets = 0;
     int64_t marks_total = 0;
     int64_t marks_on_part = 0;
-    std::string part_serial;
+    PartInCell part;
     bool finished = false;
 
     Impl(StationSetup s, DefectLedger l)
         : setup(std::move(s)), perception(setup.cell, setup.settings.perception), ledger(std::move(l)) {
-        if (setup.cell.part) part_serial = setup.cell.part->file.serial;
+        if (setup.cell.part) part = {setup.cell.part->file.type, setup.cell.part->file.serial, 0};
+        marks_on_part = marks_in_record();
     }
 
     void look();
@@ -58,6 +61,9 @@ struct Station::Impl {
     void acknowledge(const DefectRecord& record);
     void tell_plc(bool fresh);
     void hear_plc();
+    double ms_since_arrival() const;
+    void take_part(const PlcInputs& inputs);
+    int64_t marks_in_record() const;
     PlcDefect to_plc(const DefectRecord& record) const;
     DefectRecord record_of(const Mark& mark) const;
 };
@@ -115,16 +121,25 @@ void Station::Impl::look() {
     collect();
     tell_plc(true);
     result.stage_ms.record = ms_since(before_record);
-    result.stage_ms.total = ms_since(start);
+    result.stage_ms.total = setup.lock_step ? ms_since(start) : ms_since_arrival();
+}
+
+/// Live, a frame waits in the ring and for its partner before it is looked at: that counts.
+double Station::Impl::ms_since_arrival() const {
+    int64_t arrived_us = 0;
+    for (const DepthFrame& frame : frameset.frames)
+        if (frame.present) arrived_us = std::max(arrived_us, frame.host_us);
+    return static_cast<double>(host_now_us() - arrived_us) / 1000.0;
 }
 
 DefectRecord Station::Impl::record_of(const Mark& mark) const {
     DefectRecord record;
-    record.part_type = setup.cell.part ? setup.cell.part->file.type : "";
-    record.part_serial = part_serial;
+    record.part_type = part.type;
+    record.part_serial = part.serial;
     record.mark = mark;
     if (setup.cell.part) record.zone = zone_of(setup.cell.part->file.zones, mark.spot.position);
-    record.time_us = setup.lock_step ? setup.cell.epoch_us + mark.timestamp_us : utc_now_us();
+    record.time_us =
+        setup.lock_step ? setup.cell.epoch_us + (mark.timestamp_us - setup.cell.start_us) : utc_now_us();
     record.source = setup.cell.source;
     return record;
 }
@@ -154,7 +169,7 @@ void Station::Impl::acknowledge(const DefectRecord& record) {
     result.marks.push_back(committed(record));
     acknowledged.push_back(record);
     ++marks_total;
-    ++marks_on_part;
+    if (record.part_serial == part.serial && record.part_type == part.type) ++marks_on_part;
     if (!plc) return;
     if (const auto queued = plc->deliver(to_plc(record)); !queued) trouble = queued.error().sentence;
 }
@@ -196,10 +211,31 @@ void Station::Impl::tell_plc(bool fresh) {
 void Station::Impl::hear_plc() {
     if (!plc) return;
     for (const DefectId id : plc->take_echoed()) recorder->note_delivered(id, utc_now_us());
-    const PlcInputs inputs = plc->inputs();
-    if (inputs.part_sequence == 0 || inputs.part_serial == part_serial) return;
-    part_serial = inputs.part_serial;
-    marks_on_part = 0;
+    if (const PlcInputs inputs = plc->inputs(); inputs.part_sequence != part.sequence) take_part(inputs);
+}
+
+/// Sequence 0: the part has left; what comes next is not booked to it.
+void Station::Impl::take_part(const PlcInputs& inputs) {
+    const std::string known = setup.cell.part ? setup.cell.part->file.type : "";
+    part = {inputs.part_type.empty() ? known : inputs.part_type, inputs.part_serial, inputs.part_sequence};
+    marks_on_part = marks_in_record();
+    if (part.type != known)
+        trouble = "the PLC says that a part of type \"" + part.type +
+                  "\" is in the cell, the station knows \"" + known + "\"";
+}
+
+/// A part may come back, and a station may be started again.
+int64_t Station::Impl::marks_in_record() const {
+    if (part.serial.empty()) return 0;
+    DefectFilter of_part;
+    of_part.part_type = part.type;
+    of_part.part_serial = part.serial;
+    const auto reader = DefectLedger::open_to_read(setup.database);
+    if (!reader) return 0;
+    const auto found = reader->list(of_part);
+    if (!found) return 0;
+    return std::count_if(found->begin(), found->end(),
+                         [](const DefectRecord& r) { return r.state != DefectState::withdrawn; });
 }
 
 const FrameResult& Station::result() const {
@@ -208,8 +244,8 @@ const FrameResult& Station::result() const {
 const std::vector<DefectRecord>& Station::acknowledged() const {
     return impl_->acknowledged;
 }
-const std::string& Station::part_serial() const {
-    return impl_->part_serial;
+const PartInCell& Station::part() const {
+    return impl_->part;
 }
 float Station::voxel_size() const {
     return impl_->perception.voxel_size();

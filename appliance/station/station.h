@@ -24,6 +24,13 @@ struct StationSetup {
     bool plc = true;         ///< false: whatever the settings say, no PLC is talked to
 };
 
+/// Which part stands in the cell: as part.toml says, until the PLC names one; then what the PLC says.
+struct PartInCell {
+    std::string type;
+    std::string serial;     ///< empty: not known
+    uint16_t sequence = 0;  ///< the PLC's number for it; 0 = the PLC has named none, or has taken it away
+};
+
 /// Belongs to one thread. Lock-step: results depend on the session and the settings alone. Live: a mark is
 /// queued for the disk and appears in the result of the frame by which it was committed; nothing is
 /// acknowledged before.
@@ -46,8 +53,7 @@ class Station {
     /// now.
     const std::vector<DefectRecord>& acknowledged() const;
 
-    /// Of the part in the cell: as part.toml says, until the PLC names another.
-    const std::string& part_serial() const;
+    const PartInCell& part() const;
 
     StationState state() const;
     void worker_voxels(std::vector<Eigen::Vector3f>& centres) const;

@@ -59,6 +59,24 @@ Result<void> learn_background(WorkCell& cell, const Progress& progress) {
     return {};
 }
 
+/// Session stamps of the frames of a stream that the station does not look at.
+Result<std::vector<int64_t>> stamps_of(const SessionStream& stream, SensorKind kind) {
+    std::vector<int64_t> stamps;
+    if (kind == SensorKind::video) {
+        auto video = open_video_stream(stream);
+        if (!video) return tl::unexpected(video.error());
+        stamps = std::move(video->timestamp_us);
+    } else {
+        const auto read = read_oni(stream.file, [&](int64_t, int64_t timestamp_us, const DepthImage&) {
+            stamps.push_back(timestamp_us);
+            return true;
+        });
+        if (!read) return tl::unexpected(read.error());
+    }
+    for (int64_t& stamp : stamps) stamp += stream.start_us;
+    return stamps;
+}
+
 SensorSpec spec_of(const CalibratedSensor& sensor) {
     SensorSpec spec;
     spec.name = sensor.name;
@@ -96,7 +114,15 @@ Result<WorkCell> work_cell_of_session(const std::filesystem::path& folder,
         spec.frames = stream->frames;
         cell.sensors.push_back(spec);
     }
-    cell.frames = cell.sensors.front().frames;
+    // The first sensor clocks the framesets, whatever it sees (formats.md).
+    if (const SensorKind kind = session->rig.sensors.front().kind; kind != SensorKind::depth) {
+        auto stamps = stamps_of(session->streams.front(), kind);
+        if (!stamps) return tl::unexpected(stamps.error());
+        cell.clock_us = std::move(*stamps);
+    }
+    cell.frames = session->streams.front().frames;
+    cell.start_us = cell.sensors.front().start_us;
+    for (const SensorSpec& sensor : cell.sensors) cell.start_us = std::min(cell.start_us, sensor.start_us);
     auto background = read_background(*session);
     if (!background) return tl::unexpected(background.error());
     cell.background = std::move(*background);

@@ -32,7 +32,9 @@ struct WorkCell {
     std::optional<KnownPart> part;
     std::vector<SensorSpec> sensors;  ///< one a sensor of `rig`
     int64_t frames = -1;              ///< framesets to come; -1 = unknown (live)
-    int64_t epoch_us = 0;             ///< UTC of session time 0; 0 for live
+    std::vector<int64_t> clock_us;    ///< their stamps, where the first sensor gives no depth; else empty
+    int64_t epoch_us = 0;             ///< UTC of session time `start_us`; 0 for live
+    int64_t start_us = 0;             ///< the earliest of the sensors' starts; stamps may count from anywhere
     std::optional<std::filesystem::path> settings;
     std::vector<std::string> warnings;
 };
