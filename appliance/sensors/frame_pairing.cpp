@@ -36,6 +36,11 @@ bool FramePairing::has_passed(size_t sensor, int64_t timestamp_us) const {
     return lane.count > 0 && lane.at(lane.count - 1).timestamp_us >= timestamp_us;
 }
 
+bool FramePairing::may_come_nearer(size_t sensor, int64_t timestamp_us, int64_t period_us) const {
+    const Lane& lane = lanes_[sensor];
+    return lane.count == 0 || 2 * (timestamp_us - lane.at(lane.count - 1).timestamp_us) > period_us;
+}
+
 void FramePairing::forget_before(size_t sensor, int64_t timestamp_us) {
     Lane& lane = lanes_[sensor];
     while (lane.count >= 2 && lane.at(1).timestamp_us <= timestamp_us) drop_front(sensor);
@@ -43,26 +48,40 @@ void FramePairing::forget_before(size_t sensor, int64_t timestamp_us) {
         drop_front(sensor);
 }
 
+void FramePairing::copy_nearest(const Lane& lane, int64_t timestamp_us, DepthFrame& out) const {
+    if (lane.count == 0) {
+        out.present = false;
+        out.depth.millimetres.clear();
+        return;
+    }
+    const auto distance = [&](size_t i) { return std::abs(lane.at(i).timestamp_us - timestamp_us); };
+    const size_t nearest = lane.count > 1 && distance(1) < distance(0) ? 1 : 0;
+    out = lane.at(nearest);
+    out.present = distance(nearest) <= window_us_;
+}
+
 void FramePairing::take(size_t clock, Frameset& out) {
     out.timestamp_us = front(clock).timestamp_us;
     out.frames.resize(lanes_.size());
     for (size_t s = 0; s < lanes_.size(); ++s) {
-        if (s != clock) forget_before(s, out.timestamp_us);
-        const Lane& lane = lanes_[s];
-        const DepthFrame* nearest = lane.count > 0 ? &lane.at(0) : nullptr;
-        if (s != clock && lane.count > 1 &&
-            std::abs(lane.at(1).timestamp_us - out.timestamp_us) <
-                std::abs(nearest->timestamp_us - out.timestamp_us))
-            nearest = &lane.at(1);
-        if (nearest == nullptr) {
-            out.frames[s].present = false;
-            out.frames[s].depth.millimetres.clear();
-            continue;
+        if (s == clock) {
+            out.frames[s] = front(clock);
+            out.frames[s].present = true;
+        } else {
+            forget_before(s, out.timestamp_us);
+            copy_nearest(lanes_[s], out.timestamp_us, out.frames[s]);
         }
-        out.frames[s] = *nearest;
-        out.frames[s].present = std::abs(nearest->timestamp_us - out.timestamp_us) <= window_us_;
     }
     drop_front(clock);
+}
+
+void FramePairing::take_at(int64_t timestamp_us, Frameset& out) {
+    out.timestamp_us = timestamp_us;
+    out.frames.resize(lanes_.size());
+    for (size_t s = 0; s < lanes_.size(); ++s) {
+        forget_before(s, timestamp_us);
+        copy_nearest(lanes_[s], timestamp_us, out.frames[s]);
+    }
 }
 
 }  // namespace deixis

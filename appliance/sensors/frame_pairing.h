@@ -27,6 +27,10 @@ class FramePairing {
     /// True when no later frame of `sensor` can be nearer to `timestamp_us` than those queued.
     bool has_passed(size_t sensor, int64_t timestamp_us) const;
 
+    /// False when the next frame of `sensor`, a `period_us` after its newest, will be no nearer to
+    /// `timestamp_us` than that one.
+    bool may_come_nearer(size_t sensor, int64_t timestamp_us, int64_t period_us) const;
+
     /// Forgets the frames of `sensor` that are no partner for `timestamp_us` or anything later.
     void forget_before(size_t sensor, int64_t timestamp_us);
 
@@ -35,6 +39,9 @@ class FramePairing {
     /// along, not present.
     void take(size_t clock, Frameset& out);
 
+    /// The same for a moment that is no frame's: the nearest of every sensor. Nothing is dropped.
+    void take_at(int64_t timestamp_us, Frameset& out);
+
   private:
     struct Lane {
         std::vector<DepthFrame> slots;
@@ -42,6 +49,8 @@ class FramePairing {
         const DepthFrame& at(size_t i) const { return slots[(first + i) % slots.size()]; }
         DepthFrame& at(size_t i) { return slots[(first + i) % slots.size()]; }
     };
+    void copy_nearest(const Lane& lane, int64_t timestamp_us, DepthFrame& out) const;
+
     std::vector<Lane> lanes_;
     int64_t window_us_;
 };

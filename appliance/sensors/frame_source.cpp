@@ -24,6 +24,8 @@ class SensorFramesets : public FrameSource {
     SensorFramesets(const std::vector<SensorSpec>& specs, const FrameSourceParams& params)
         : params_(params), pairing_(specs.size(), params.pairing_window_us), created_us_(host_now_us()) {
         for (const SensorSpec& spec : specs) sensors_.emplace_back(spec, params);
+        newest_us_.assign(specs.size(), 0);
+        periods_us_.assign(specs.size(), 0);
         session_zero_us_ = INT64_MAX;
         for (const SensorSpec& spec : specs)
             if (spec.recording) session_zero_us_ = std::min(session_zero_us_, spec.start_us);
@@ -36,7 +38,9 @@ class SensorFramesets : public FrameSource {
         const int64_t deadline = host_now_us() + std::chrono::microseconds(patience).count();
         for (;;) {
             watch();
-            const bool found = params_.lock_step ? next_lock_step(out) : next_live(out);
+            const bool found = !params_.lock_step         ? next_live(out)
+                               : params_.clock_us.empty() ? next_lock_step(out)
+                                                          : next_of_clock(out);
             if (found) {
                 note_skews(out);
                 return Outcome::frameset;
@@ -56,11 +60,15 @@ class SensorFramesets : public FrameSource {
   private:
     void watch();
     bool next_lock_step(Frameset& out);
+    bool next_of_clock(Frameset& out);
+    bool partners_have_passed(size_t first, int64_t stamp);
+    bool clock_is_over() const;
     bool next_live(Frameset& out);
     size_t live_clock() const;
     bool must_wait_for_partners(size_t clock) const;
     bool is_heard(size_t i) const;
     bool is_over() const;
+    void drain(size_t first);
     void note_skews(const Frameset& frameset);
     bool take_into_queue(size_t i);
 
@@ -70,8 +78,10 @@ class SensorFramesets : public FrameSource {
     SensorFrame spare_;
     int64_t created_us_;
     int64_t session_zero_us_;
+    size_t clock_next_ = 0;  ///< of `clock_us`
     bool playing_ = false;
     int64_t last_stamp_us_ = INT64_MIN;
+    std::vector<int64_t> newest_us_, periods_us_;  ///< of each sensor: its last stamp, and the gap before it
     mutable std::mutex health_mutex_;
     std::vector<SensorHealth> health_;
 };
@@ -96,16 +106,17 @@ void SensorFramesets::watch() {
 
 bool SensorFramesets::take_into_queue(size_t i) {
     if (!sensors_[i].take(spare_)) return false;
+    const int64_t stamp = spare_.frame.timestamp_us;
+    // Twice the window at most: after a lost frame the next comes sooner than the last gap says.
+    periods_us_[i] = std::clamp<int64_t>(stamp - newest_us_[i], 0, 2 * params_.pairing_window_us);
+    newest_us_[i] = stamp;
     pairing_.put(i, spare_.frame);
     return true;
 }
 
-/// Waits, by returning false, until every other stream has passed the first sensor's frame or is over; never
-/// more than one frame of the first and two of another are held.
-bool SensorFramesets::next_lock_step(Frameset& out) {
-    if (pairing_.waiting(0) == 0 && !take_into_queue(0)) return false;
-    const int64_t stamp = pairing_.front(0).timestamp_us;
-    for (size_t i = 1; i < sensors_.size(); ++i) {
+/// Every stream from `first` on has passed the stamp or is over; at most two frames of each are held.
+bool SensorFramesets::partners_have_passed(size_t first, int64_t stamp) {
+    for (size_t i = first; i < sensors_.size(); ++i) {
         pairing_.forget_before(i, stamp);
         while (!pairing_.has_passed(i, stamp)) {
             if (!take_into_queue(i)) {
@@ -115,8 +126,43 @@ bool SensorFramesets::next_lock_step(Frameset& out) {
             pairing_.forget_before(i, stamp);
         }
     }
+    return true;
+}
+
+/// Waits, by returning false, until every other stream has passed the first sensor's frame or is over; never
+/// more than one frame of the first is held.
+bool SensorFramesets::next_lock_step(Frameset& out) {
+    if (pairing_.waiting(0) == 0 && !take_into_queue(0)) {
+        if (sensors_[0].is_over()) drain(1);
+        return false;
+    }
+    if (!partners_have_passed(1, pairing_.front(0).timestamp_us)) return false;
     pairing_.take(0, out);
     return true;
+}
+
+/// The same, clocked from outside.
+bool SensorFramesets::next_of_clock(Frameset& out) {
+    if (clock_next_ == params_.clock_us.size()) {
+        drain(0);
+        return false;
+    }
+    const int64_t stamp = params_.clock_us[clock_next_];
+    if (!partners_have_passed(0, stamp)) return false;
+    pairing_.take_at(stamp, out);
+    ++clock_next_;
+    return true;
+}
+
+/// What the sensors from `first` on recorded after the clock's end belongs to no frameset; it is taken all
+/// the same, so that whether their recordings are whole does not depend on who was faster.
+void SensorFramesets::drain(size_t first) {
+    for (size_t i = first; i < sensors_.size(); ++i) {
+        while (pairing_.waiting(i) > 0) pairing_.drop_front(i);
+        if (params_.real_time) continue;  // nobody waits for them at their own pace
+        while (sensors_[i].take(spare_)) {
+        }
+    }
 }
 
 /// A sensor whose frames are worth waiting for.
@@ -138,7 +184,8 @@ bool SensorFramesets::must_wait_for_partners(size_t clock) const {
     if (host_now_us() - frame.host_us > std::chrono::microseconds(params_.pair_patience).count())
         return false;
     for (size_t i = 0; i < sensors_.size(); ++i)
-        if (i != clock && is_heard(i) && !pairing_.has_passed(i, frame.timestamp_us)) return true;
+        if (i != clock && is_heard(i) && pairing_.may_come_nearer(i, frame.timestamp_us, periods_us_[i]))
+            return true;
     return false;
 }
 
@@ -165,8 +212,17 @@ bool SensorFramesets::next_live(Frameset& out) {
     }
 }
 
+bool SensorFramesets::clock_is_over() const {
+    if (!params_.clock_us.empty()) return clock_next_ == params_.clock_us.size();
+    return pairing_.waiting(0) == 0 && sensors_[0].is_over();
+}
+
 bool SensorFramesets::is_over() const {
-    if (params_.lock_step) return pairing_.waiting(0) == 0 && sensors_[0].is_over();
+    if (params_.lock_step) {
+        if (!clock_is_over()) return false;
+        const bool refused = params_.clock_us.empty() && sensors_[0].health().state == SensorState::missing;
+        if (params_.real_time || refused) return true;
+    }
     for (size_t i = 0; i < sensors_.size(); ++i)
         if (!sensors_[i].is_over() || pairing_.waiting(i) > 0) return false;
     return true;

@@ -65,8 +65,11 @@ struct FrameSourceParams {
     std::chrono::milliseconds start_limit{15'000};  ///< stall limit while the child opens its device or file
     std::chrono::milliseconds silence_limit{200};   ///< live: a sensor silent for so long is not waited for
     int ring_frames = 8;                            ///< slots of each ring, 2 to 256
-    int live_backlog = 3;           ///< live: framesets that may wait for the station; older ones are dropped
-    std::filesystem::path program;  ///< the `deixis` binary whose `sensor` subcommand is started
+    int live_backlog = 3;  ///< live: framesets that may wait for the station; older ones are dropped
+    /// Lock-step: stamps of the framesets, where a stream without depth clocks them; empty: those of the
+    /// first sensor.
+    std::vector<int64_t> clock_us;
+    std::filesystem::path program;        ///< the `deixis` binary whose `sensor` subcommand is started
     std::filesystem::path driver_folder;  ///< holds libOpenNI2.so.0 and OpenNI2/Drivers; empty: the system's
     InvalidSettings validate() const;
 };
@@ -76,12 +79,12 @@ struct FrameSourceParams {
 /// Refused, naming the sensor or key: no sensor, a size outside 1 to 8192, an invalid parameter, a live
 /// device in lock_step.
 ///
-/// Lock-step: one frameset for every frame of the first sensor, stamps and pixels exact, the same on every
-/// run and whatever happens to the children; `end` as well when the first sensor's recording cannot be read
-/// (see `health`). Live: stamps are each sensor's own clock mapped to the host's steady clock, strictly
-/// rising; newest frames win; without the first sensor the next one that runs clocks the framesets (first
-/// frame not `present`). A recording that is not in lock_step is played at its own pace. The source belongs
-/// to one thread; only `health` may be called from others.
+/// Lock-step: one frameset for every frame of the first sensor (or stamp of `clock_us`), stamps and pixels
+/// exact, the same on every run and whatever happens to the children; `end` as well when the first sensor's
+/// recording cannot be read (see `health`). Live: stamps are each sensor's own clock mapped to the host's
+/// steady clock, strictly rising; newest frames win; without the first sensor the next one that runs clocks
+/// the framesets (first frame not `present`). A recording that is not in lock_step is played at its own pace.
+/// The source belongs to one thread; only `health` may be called from others.
 Result<std::unique_ptr<FrameSource>> open_sensors(const std::vector<SensorSpec>& sensors,
                                                   const FrameSourceParams& params);
 

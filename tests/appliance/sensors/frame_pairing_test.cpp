@@ -122,6 +122,36 @@ TEST(FramePairing, OfTwoEquallyNearTakesTheEarlier) {
     EXPECT_EQ(out.frames[1].timestamp_us, 90'000);
 }
 
+TEST(FramePairing, AMomentThatIsNoFramesTakesTheNearestOfAll) {
+    FramePairing pairing(2, window_us);
+    for (const int64_t t : {90'000, 120'000, 150'000}) {
+        DepthFrame f = frame_at(t), g = frame_at(t + 40'000);
+        pairing.put(0, f);
+        pairing.put(1, g);
+    }
+    Frameset out;
+    pairing.take_at(104'000, out);
+    EXPECT_EQ(out.timestamp_us, 104'000);
+    EXPECT_EQ(out.frames[0].timestamp_us, 90'000);
+    EXPECT_TRUE(out.frames[0].present);
+    EXPECT_FALSE(out.frames[1].present);
+    pairing.take_at(121'000, out);
+    EXPECT_EQ(out.frames[0].timestamp_us, 120'000);
+    EXPECT_EQ(out.frames[1].timestamp_us, 130'000);
+    EXPECT_TRUE(out.frames[0].present && out.frames[1].present);
+}
+
+TEST(FramePairing, KnowsWhenWaitingBringsNothingNearer) {
+    FramePairing pairing(2, window_us);
+    EXPECT_TRUE(pairing.may_come_nearer(1, 100'000, 33'333));
+    DepthFrame f = frame_at(90'000);
+    pairing.put(1, f);
+    EXPECT_FALSE(pairing.may_come_nearer(1, 90'000, 33'333));
+    EXPECT_FALSE(pairing.may_come_nearer(1, 106'666, 33'333));
+    EXPECT_TRUE(pairing.may_come_nearer(1, 106'667, 33'333));
+    EXPECT_FALSE(pairing.may_come_nearer(1, 80'000, 33'333)) << "it has passed";
+}
+
 TEST(FramePairing, OneFrameMayServeTwoFramesets) {
     FramePairing pairing(2, window_us);
     DepthFrame slow = frame_at(100'000);

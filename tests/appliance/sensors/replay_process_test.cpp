@@ -74,6 +74,11 @@ Replayed replay(const std::vector<SensorSpec>& specs, const FrameSourceParams& p
     return replay(*source, disturb);
 }
 
+void expect_finished(const Replayed& replayed) {
+    for (const SensorHealth& h : replayed.health)
+        EXPECT_EQ(h.state, SensorState::finished) << h.name << " " << name_of(h.state) << ": " << h.reason;
+}
+
 /// Two sensors that do not agree on count, phase and rate.
 struct TwoSensors {
     ScratchFolder folder;
@@ -174,6 +179,7 @@ TEST(ReplayProcess, TwoSensorsEndApart) {
     EXPECT_TRUE(longer.ended);
     ASSERT_EQ(longer.lines.size(), 40U);
     for (size_t i = 0; i < 40; ++i) EXPECT_EQ(longer.lines[i].frames[1].has_value(), i < 10) << i;
+    expect_finished(longer);
 
     auto b_first = a_first;
     write_recording(folder / "b0.oni", steady_stamps(10), 0);
@@ -184,6 +190,39 @@ TEST(ReplayProcess, TwoSensorsEndApart) {
     EXPECT_TRUE(shorter.ended);
     ASSERT_EQ(shorter.lines.size(), 10U);
     for (const auto& line : shorter.lines) EXPECT_TRUE(line.frames[1].has_value());
+    expect_finished(shorter);
+}
+
+TEST(ReplayProcess, BothAreFoundWholeHoweverFewTheirFramesAre) {
+    ScratchFolder folder;
+    write_recording(folder / "a.oni", steady_stamps(3), 0);
+    write_recording(folder / "b.oni", steady_stamps(3), 1);
+    const std::vector<SensorSpec> specs = {recording_spec("a", folder / "a.oni"),
+                                           recording_spec("b", folder / "b.oni")};
+    for (int i = 0; i < 10; ++i) {  // who is the last to end is chance
+        const Replayed replayed = replay(specs);
+        ASSERT_EQ(replayed.lines.size(), 3U);
+        expect_finished(replayed);
+    }
+}
+
+TEST(ReplayProcess, AStreamWithoutDepthClocksTheFramesets) {
+    ScratchFolder folder;
+    write_recording(folder / "a.oni", steady_stamps(10), 0);
+    write_recording(folder / "b.oni", steady_stamps(10), 1);
+    FrameSourceParams params = lock_step();
+    params.clock_us = {-200'000, 1'000, 17'000, 17'500, 100'000, 10'000'000};
+    const Replayed replayed =
+        replay({recording_spec("a", folder / "a.oni"), recording_spec("b", folder / "b.oni")}, params);
+    EXPECT_TRUE(replayed.ended);
+    ASSERT_EQ(replayed.lines.size(), params.clock_us.size());
+    const std::vector<uint32_t> numbers = {0, 1, 2, 2, 4, 0};  // 30 Hz: frame n at (n - 1) * 33.3 ms
+    for (size_t i = 0; i < numbers.size(); ++i) {
+        EXPECT_EQ(replayed.lines[i].timestamp_us, params.clock_us[i]);
+        for (const auto& frame : replayed.lines[i].frames)
+            EXPECT_EQ(frame ? frame->first : 0, numbers[i]) << "frameset " << i;
+    }
+    expect_finished(replayed);
 }
 
 TEST(ReplayProcess, OneFrameAndNoFrame) {
@@ -323,6 +362,16 @@ TEST(ReplayProcess, SparseTailOfTheStockRecorderIsNoDamage) {
     EXPECT_TRUE(replayed.ended);
     EXPECT_EQ(replayed.lines.size(), 10U) << replayed.health[0].reason;
     EXPECT_EQ(replayed.health[0].state, SensorState::finished);
+}
+
+TEST(ReplayProcess, PathWithBytesThatOpenniDiesOf) {
+    ScratchFolder folder;
+    const auto place = folder / "Aufnahmen für Müller #3 日本";
+    std::filesystem::create_directories(place);
+    write_recording(place / "Kamera links ü.oni", steady_stamps(10), 0);
+    const Replayed replayed = replay(std::vector{recording_spec("ü", place / "Kamera links ü.oni")});
+    EXPECT_EQ(replayed.lines.size(), 10U) << replayed.health[0].reason;
+    expect_finished(replayed);
 }
 
 TEST(ReplayProcess, PathLongerThanOpenniTakes) {
