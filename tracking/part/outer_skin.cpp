@@ -161,8 +161,7 @@ void tell_inner_from_outer(std::vector<SkinPoint>& skin, double wall_max, double
         float best = static_cast<float>(wall_max + 0.7 * spacing);
         const SkinPoint* back = nullptr;
         for (int n = 0; n < 27; ++n) {
-            const Eigen::Vector3f offset(static_cast<float>(n % 3 - 1), static_cast<float>(n / 3 % 3 - 1),
-                                         static_cast<float>(n / 9 - 1));
+            const Eigen::Vector3f offset = Eigen::Vector3i(n % 3 - 1, n / 3 % 3 - 1, n / 9 - 1).cast<float>();
             const auto found = cells.find(cell_key(p.position + offset * step, cell));
             if (found == cells.end()) continue;
             for (const uint32_t j : found->second) {

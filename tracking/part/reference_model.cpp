@@ -12,6 +12,7 @@ constexpr double most_points = 60'000;  // fine points
 
 std::vector<Eigen::Vector3f> positions_of(const std::vector<SkinPoint>& skin) {
     std::vector<Eigen::Vector3f> positions;
+    positions.reserve(skin.size());
     for (const SkinPoint& p : skin) positions.push_back(p.position);
     return positions;
 }

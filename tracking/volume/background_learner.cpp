@@ -16,7 +16,7 @@ InvalidSettings BackgroundLearner::Params::validate() const {
     return complaints;
 }
 
-BackgroundLearner::BackgroundLearner(std::vector<CalibratedSensor> depth_sensors, Params params)
+BackgroundLearner::BackgroundLearner(const std::vector<CalibratedSensor>& depth_sensors, Params params)
     : params_(params) {
     for (const CalibratedSensor& s : depth_sensors) {
         PerSensor& sensor = sensors_.emplace_back();

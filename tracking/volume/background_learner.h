@@ -28,7 +28,7 @@ class BackgroundLearner {
         InvalidSettings validate() const;
     };
 
-    BackgroundLearner(std::vector<CalibratedSensor> depth_sensors, Params params);
+    BackgroundLearner(const std::vector<CalibratedSensor>& depth_sensors, Params params);
 
     /// Images of another size than the sensor's are ignored.
     void add(size_t sensor, const DepthImage& depth);

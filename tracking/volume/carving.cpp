@@ -52,7 +52,7 @@ InvalidSettings VoxelCarver::Params::validate() const {
     return complaints;
 }
 
-VoxelCarver::VoxelCarver(std::vector<CalibratedSensor> depth_sensors, const Box& cell, Params params)
+VoxelCarver::VoxelCarver(const std::vector<CalibratedSensor>& depth_sensors, const Box& cell, Params params)
     : params_(params) {
     for (const CalibratedSensor& sensor : depth_sensors) views_.push_back(view_of(sensor));
     grid_.lattice = VoxelLattice::covering(cell, params_.voxel_m);

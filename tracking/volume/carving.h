@@ -44,7 +44,7 @@ class VoxelCarver {
         InvalidSettings validate() const;
     };
 
-    VoxelCarver(std::vector<CalibratedSensor> depth_sensors, const Box& cell, Params params);
+    VoxelCarver(const std::vector<CalibratedSensor>& depth_sensors, const Box& cell, Params params);
 
     /// The whole grid for this frameset; valid until the next update. Sensors that are absent do not carve.
     /// The same, bit for bit, whatever SIMD the machine has.

@@ -19,6 +19,7 @@ bool FrameGaps::fills(const DepthFrame& frame, int64_t timestamp_us) const {
 
 const Frameset& FrameGaps::update(const Frameset& frameset) {
     const auto fill = [&](const DepthFrame& f) { return fills(f, frameset.timestamp_us); };
+    // NOLINTNEXTLINE(bugprone-return-const-ref-from-parameter): a temporary is refused by the overload
     if (std::none_of(frameset.frames.begin(), frameset.frames.end(), fill)) return frameset;
     filled_ = frameset;
     for (DepthFrame& frame : filled_.frames) frame.present = frame.present || fill(frame);

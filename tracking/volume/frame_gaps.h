@@ -27,6 +27,7 @@ class FrameGaps {
     /// `frameset`, or a copy with its gaps filled; the stamps of the filled-in frames are their own. Valid
     /// until the next update and as long as `frameset`.
     const Frameset& update(const Frameset& frameset);
+    const Frameset& update(Frameset&&) = delete;
 
   private:
     bool fills(const DepthFrame& frame, int64_t timestamp_us) const;

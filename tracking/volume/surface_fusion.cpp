@@ -62,7 +62,7 @@ InvalidSettings SurfaceFusion::Params::validate() const {
     return complaints;
 }
 
-SurfaceFusion::SurfaceFusion(std::vector<CalibratedSensor> depth_sensors, std::optional<Box> cell,
+SurfaceFusion::SurfaceFusion(const std::vector<CalibratedSensor>& depth_sensors, std::optional<Box> cell,
                              Params params)
     : params_(params), cell_(std::move(cell)) {
     for (const CalibratedSensor& s : depth_sensors) {

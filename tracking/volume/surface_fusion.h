@@ -32,7 +32,7 @@ class SurfaceFusion {
     };
 
     /// Without a cell points are kept wherever they are, above the floor.
-    SurfaceFusion(std::vector<CalibratedSensor> depth_sensors, std::optional<Box> cell, Params params);
+    SurfaceFusion(const std::vector<CalibratedSensor>& depth_sensors, std::optional<Box> cell, Params params);
 
     /// Sensors that are absent, or have another size than calibrated, give no points.
     const SurfacePoints& update(const Frameset& frameset, const ForegroundModel& foreground);
