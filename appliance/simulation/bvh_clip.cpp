@@ -29,6 +29,7 @@ class BvhReader {
     Result<MotionClip> read() {
         if (!expect("HIERARCHY") || !expect("ROOT") || !read_node(-1)) return refused();
         std::vector<std::string> names;
+        names.reserve(nodes_.size());
         for (const BvhNode& node : nodes_) names.push_back(node.name);
         auto picker = ClipJointPicker::create(names, name_);
         if (!picker) return tl::unexpected(picker.error());
@@ -154,7 +155,7 @@ class BvhReader {
             const Eigen::Matrix3d parent = root ? Eigen::Matrix3d::Identity() : rotations[node.parent];
             const Eigen::Vector3d start =
                 (root ? Eigen::Vector3d::Zero() : places[node.parent].start) + parent * offset;
-            rotations.push_back(parent * rotation);
+            rotations.emplace_back(parent * rotation);
             places.push_back({node.name, start, start + rotations.back() * node.end_site});
             if (!root && nodes_[node.parent].first_child == static_cast<int>(places.size()) - 1)
                 places[node.parent].end = start;

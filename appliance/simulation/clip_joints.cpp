@@ -74,6 +74,9 @@ Result<ClipJointPicker> ClipJointPicker::create(const std::vector<std::string>& 
         const NamedJoint& known = known_names()[index];
         return find(known.joint, side == 0 ? known.left : known.right);
     };
+    const auto refusal = [&](const std::string& whose) {
+        return fail(file + ": the skeleton has no " + whose + missing + " that we know the name of");
+    };
     for (size_t side = 0; side < 2; ++side) {
         Sided& s = picker.sides_[side];
         s = {joint(0, side).value_or(0),
@@ -83,15 +86,12 @@ Result<ClipJointPicker> ClipJointPicker::create(const std::vector<std::string>& 
              joint(4, side).value_or(0),
              joint(5, side).value_or(0),
              joint(6, side)};
-        if (!missing.empty())
-            return fail(file + ": the skeleton has no " + (side == 0 ? "left " : "right ") + missing +
-                        " that we know the name of");
+        if (!missing.empty()) return refusal(side == 0 ? "left " : "right ");
     }
     picker.pelvis_ = joint(7, 0).value_or(0);
     picker.neck_ = joint(8, 0).value_or(0);
     picker.head_ = joint(9, 0).value_or(0);
-    if (!missing.empty())
-        return fail(file + ": the skeleton has no " + missing + " that we know the name of");
+    if (!missing.empty()) return refusal("");
     return picker;
 }
 

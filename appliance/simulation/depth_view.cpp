@@ -47,6 +47,7 @@ void DepthView::overlay(DepthLayer& layer, const ViewedObject& object, const std
                         const PixelBox& box) const {
     const LocalRays self(object);
     std::vector<LocalRays> others;
+    others.reserve(below.size());
     for (const ViewedObject& other : below) others.emplace_back(other);
     // A hair short of the spot itself, which would otherwise shade itself.
     constexpr float before_spot = 1.0F - 1.5e-3F;

@@ -105,7 +105,7 @@ class Section {
         return given;
     }
     std::optional<std::string> word(const std::string& key, const std::vector<std::string>& allowed) {
-        const auto given = text(key);
+        auto given = text(key);
         if (!given || std::find(allowed.begin(), allowed.end(), *given) != allowed.end()) return given;
         std::string list;
         for (const std::string& a : allowed) list += (list.empty() ? "\"" : ", \"") + a + "\"";
