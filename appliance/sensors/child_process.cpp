@@ -12,8 +12,6 @@
 #include <string>
 #include <system_error>
 
-extern char** environ;
-
 namespace deixis {
 namespace {
 
@@ -52,6 +50,7 @@ std::string describe(int status) {
 
 std::vector<char*> pointers_to(std::vector<std::string>& strings) {
     std::vector<char*> pointers;
+    pointers.reserve(strings.size() + 1);
     for (std::string& s : strings) pointers.push_back(s.data());
     pointers.push_back(nullptr);
     return pointers;
@@ -67,7 +66,9 @@ Result<ChildProcess> ChildProcess::start(const ChildCommand& command) {
     std::vector<std::string> arguments = {program};
     arguments.insert(arguments.end(), command.arguments.begin(), command.arguments.end());
     std::vector<std::string> environment;
-    for (const auto& [key, value] : command.environment) environment.push_back(key + "=" + value);
+    environment.reserve(command.environment.size());
+    for (const auto& [key, value] : command.environment)
+        environment.emplace_back(key).append("=").append(value);
     for (char** entry = environ; *entry != nullptr; ++entry) {
         const std::string line = *entry;
         bool replaced = false;
