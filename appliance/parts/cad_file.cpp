@@ -23,6 +23,7 @@
 #include <array>
 #include <cmath>
 #include <exception>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -70,9 +71,10 @@ Result<SurfaceMesh> meshed(const TopoDS_Shape& shape, const std::string& name) {
     return mesh;
 }
 
-/// Open CASCADE 7.6 reads through null pointers where a point, face or the like did not load whole. What is
-/// damaged elsewhere (colours, notes, tolerances) does not matter to the surface.
-Result<void> shapes_are_whole(const Interface_InterfaceModel& model, const std::string& name) {
+/// The first entity of the surface that is damaged, its label with its kind in brackets. Open CASCADE 7.6
+/// reads through null pointers where a point, face or the like did not load whole; what is damaged elsewhere
+/// (colours, notes, tolerances) does not matter to the surface.
+std::optional<std::string> damaged_shape(const Interface_InterfaceModel& model) {
     for (int i = 1; i <= model.NbEntities(); ++i) {
         if (!model.IsErrorEntity(i)) continue;
         const Handle(Standard_Transient)& entity = model.Value(i);
@@ -80,11 +82,9 @@ Result<void> shapes_are_whole(const Interface_InterfaceModel& model, const std::
         const bool matters =
             std::any_of(shape_kinds.begin(), shape_kinds.end(),
                         [&](const std::string_view& shapes) { return kind.starts_with(shapes); });
-        if (matters)
-            return fail(name + ": the entity " + model.StringLabel(entity)->ToCString() + " (" + kind +
-                        ") is damaged or names one that is not there.");
+        if (matters) return std::string(model.StringLabel(entity)->ToCString()) + " (" + kind + ")";
     }
-    return {};
+    return std::nullopt;
 }
 
 /// What the reader's own ReadFile does, with a look at the entities before its checks touch them.
@@ -93,7 +93,9 @@ Result<void> load_model(XSControl_Reader& reader, const std::filesystem::path& f
     Handle(Interface_InterfaceModel) model;
     if (session->WorkLibrary()->ReadFile(file.c_str(), model, session->Protocol()) != 0 || model.IsNull())
         return fail(file.string() + ": this is not a readable " + kind + " file.");
-    if (auto whole = shapes_are_whole(*model, file.string()); !whole) return whole;
+    if (const auto damaged = damaged_shape(*model))
+        return fail(file.string() + ": the entity " + *damaged +
+                    " is damaged or names one that is not there.");
     session->SetModel(model);
     session->SetLoadedFile(file.c_str());
     session->InitTransferReader(4);

@@ -25,6 +25,7 @@ namespace Assimp {
 /// Debian's Assimp 5.2 calls this where it doubts itself; its own version ends the program, and there is no
 /// setter. This one takes its place when the program is linked: a damaged file must not be able to stop a
 /// station.
+// NOLINTNEXTLINE(readability-identifier-naming): the name is Assimp's
 [[noreturn]] void aiAssertViolation(const char* doubt, const char* /*file*/, int /*line*/);
 void aiAssertViolation(const char* doubt, const char* /*file*/, int /*line*/) {
     throw std::runtime_error(std::string("inner check failed: ") + doubt);

@@ -23,8 +23,6 @@
 #include "appliance/parts/model_file.h"
 #include "appliance/parts/model_reader_child.h"
 
-extern char** environ;
-
 namespace deixis {
 namespace {
 
@@ -70,6 +68,7 @@ std::vector<std::string> arguments_of(const ModelReader& reader, const ModelRequ
 /// Returns 0 or the system's error.
 int spawn(std::vector<std::string> arguments, int reply, pid_t& pid) {
     std::vector<char*> pointers;
+    pointers.reserve(arguments.size() + 1);
     for (std::string& argument : arguments) pointers.push_back(argument.data());
     pointers.push_back(nullptr);
     sigset_t none, all;

@@ -14,10 +14,10 @@ namespace {
 
 void warn_unknown(const toml::table& table, std::initializer_list<std::string_view> known,
                   const std::string& file, const std::string& prefix, std::vector<std::string>& warnings) {
+    const std::string unknown = file + ": unknown key `" + prefix;
     for (const auto& [key, value] : table)
         if (std::find(known.begin(), known.end(), key.str()) == known.end())
-            warnings.push_back(
-                one_line(file + ": unknown key `" + prefix + std::string(key.str()) + "` is ignored."));
+            warnings.push_back(one_line(unknown + std::string(key.str()) + "` is ignored."));
 }
 
 Result<std::string> text_of(const toml::table& table, const std::string& key, const std::string& file,

@@ -236,9 +236,12 @@ Finding walk_one(Values& values, const Element& element, uint64_t vertices) {
 }  // namespace
 
 Result<void> check_ply(std::string_view bytes, const std::string& file) {
+    const auto unreadable = [&](const std::string& why) {
+        return fail(file + ": the mesh cannot be read (" + why + ").");
+    };
     Header header;
     if (const std::string complaint = take_header(bytes, header); !complaint.empty())
-        return fail(file + ": the mesh cannot be read (" + complaint + ").");
+        return unreadable(complaint);
     Values values(bytes, *header.encoding);
     for (const Element& element : header.elements)
         for (uint64_t i = 0; i < element.count; ++i) {
@@ -248,9 +251,8 @@ Result<void> check_ply(std::string_view bytes, const std::string& file) {
                 (element.name == "vertex" || element.name == "face" ? std::string(element.name)
                                                                     : std::string("element")) +
                 " " + std::to_string(i) + " of " + std::to_string(element.count);
-            return fail(
-                file + ": the mesh cannot be read (" + which +
-                (found == Finding::cut ? " is cut short or damaged)." : " has a corner that is no vertex)."));
+            return unreadable(which + (found == Finding::cut ? " is cut short or damaged"
+                                                             : " has a corner that is no vertex"));
         }
     return {};
 }
