@@ -75,6 +75,10 @@ const char* expected_type(const SettingTarget& target) {
     return names[target.index()];
 }
 
+std::string ignored(const std::string& file, const std::string& what) {
+    return one_line(file + ": unknown " + what + " is ignored");
+}
+
 Result<void> apply_section(const SettingSection& section, const toml::table& values, const std::string& file,
                            std::vector<std::string>& warnings) {
     for (const auto& [key, node] : values) {
@@ -82,13 +86,13 @@ Result<void> apply_section(const SettingSection& section, const toml::table& val
         const auto field = std::find_if(section.fields.begin(), section.fields.end(),
                                         [&](const SettingField& f) { return f.key == name; });
         if (field == section.fields.end()) {
-            warnings.push_back(one_line(file + ": unknown key " + section.name + "." + name + " is ignored"));
+            warnings.push_back(ignored(file, "key " + section.name + "." + name));
             continue;
         }
         const toml::node& value = node;
         if (!std::visit([&](auto* target) { return store(value, target); }, field->target))
-            return fail(file + ": " + section.name + "." + name + " is " + shown(value) + ", expected " +
-                        expected_type(field->target));
+            return fail(file + ": " + section.name + "." + field->key + " is " + shown(value) +
+                        ", expected " + expected_type(field->target));
     }
     return {};
 }
@@ -134,11 +138,12 @@ Result<void> apply_settings(const SettingsTable& table, std::string_view text, c
         const auto section =
             std::find_if(table.begin(), table.end(), [&](const SettingSection& s) { return s.name == name; });
         if (section == table.end()) {
-            warnings.push_back(one_line(file + ": unknown section " + name + " is ignored"));
+            warnings.push_back(ignored(file, "section " + name));
             continue;
         }
         if (!node.is_table())
-            return fail(file + ": " + name + " is " + shown(node) + ", expected a section [" + name + "]");
+            return fail(file + ": " + section->name + " is " + shown(node) + ", expected a section [" +
+                        section->name + "]");
         if (auto applied = apply_section(*section, *node.as_table(), file, warnings); !applied)
             return applied;
     }
