@@ -36,6 +36,10 @@ bool is_driver_name(const std::string& name) {
     return name.starts_with("lib") && name.ends_with(".so.0");
 }
 
+std::string usb_name(const char* maker, const std::string& vendor, const std::string& product) {
+    return std::string(maker) + " (" + vendor + ":" + product + ")";
+}
+
 /// Where libOpenNI2.so.0 lies; empty when nowhere.
 fs::path openni_folder(const fs::path& driver_folder) {
     std::vector<fs::path> folders{driver_folder};
@@ -119,12 +123,12 @@ void check_usb(DoctorReport& report, const fs::path& sysfs, const fs::path& devi
             if (vendor == "045e" && product != "02ae" && product != "02bf")
                 continue;  // a mouse of that maker
             ++found;
-            const auto padded = [](std::string number) {
+            const auto padded = [](const std::string& number) {
                 return std::string(3 - std::min<size_t>(3, number.size()), '0') + number;
             };
             const fs::path device = devices / "bus" / "usb" / padded(first_line(entry.path() / "busnum")) /
                                     padded(first_line(entry.path() / "devnum"));
-            const std::string what = std::string(maker.name) + " (" + vendor + ":" + product + ")";
+            const std::string what = usb_name(maker.name, vendor, product);
             if (::access(device.c_str(), R_OK | W_OK) == 0)
                 report.ok("usb", what + " at " + device.string());
             else

@@ -121,6 +121,7 @@ void LiveRecording::report(size_t i, const Say& say) {
 
 std::vector<RecordedSensor> LiveRecording::sensors() const {
     std::vector<RecordedSensor> recorded;
+    recorded.reserve(sensors_.size());
     for (size_t i = 0; i < sensors_.size(); ++i)
         recorded.push_back({sensors_[i].spec().name, streams_[i].frames, sensors_[i].health()});
     return recorded;

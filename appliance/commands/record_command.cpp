@@ -72,7 +72,7 @@ Result<void> record(const RecordOptions& options) {
     auto recording = LiveRecording::start(rig, params, stop_requested);
     if (!recording) return discard(recording.error());
     std::cout << "recording" << std::endl;
-    const auto ran = recording->run(*writer, stop_requested, [](const std::string& sentence) {
+    auto ran = recording->run(*writer, stop_requested, [](const std::string& sentence) {
         std::cerr << "deixis record: " << sentence << '\n';
     });
     recording->end();

@@ -252,6 +252,7 @@ Result<void> render_all(VirtualCell& cell, FrameSink& sink, bool quiet) {
     std::mutex printing;
     {
         std::vector<std::jthread> threads;
+        threads.reserve(sensors);
         for (size_t s = 0; s < sensors; ++s)
             threads.emplace_back([&, s] {
                 DepthFrame frame;

@@ -150,7 +150,7 @@ Result<void> station(const StationOptions& options) {
     if (*screen) std::cout << "SCREEN " << (*screen)->address() << '\n' << std::flush;
 
     StationLog log(!options.session.empty());
-    const auto ran = run_station(**station, screen->get(), results ? &*results : nullptr, log, options);
+    auto ran = run_station(**station, screen->get(), results ? &*results : nullptr, log, options);
     log.summary(**station);
     for (const std::string& sentence : (*station)->stop())
         std::cerr << "deixis station: " << sentence << '\n';

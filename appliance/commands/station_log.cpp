@@ -68,6 +68,7 @@ void StationLog::summary(const Station& station) const {
         taken += sensor.frames;
         dropped += sensor.dropped;
     }
+    const uint64_t frames = taken + dropped;
     std::vector<float> sorted = totals_ms_;
     std::sort(sorted.begin(), sorted.end());
     const auto percentile = [&](double share) {
@@ -78,9 +79,8 @@ void StationLog::summary(const Station& station) const {
         "framesets %lld, marks %lld, stage_ms.total median %.1f ms, 99th percentile %.1f ms, "
         "frames dropped %.2f %% (%llu of %llu)\n",
         static_cast<long long>(state.framesets), static_cast<long long>(state.marks_total), percentile(0.5),
-        percentile(0.99),
-        taken + dropped ? 100.0 * static_cast<double>(dropped) / static_cast<double>(taken + dropped) : 0.0,
-        static_cast<unsigned long long>(dropped), static_cast<unsigned long long>(taken + dropped));
+        percentile(0.99), frames ? 100.0 * static_cast<double>(dropped) / static_cast<double>(frames) : 0.0,
+        static_cast<unsigned long long>(dropped), static_cast<unsigned long long>(frames));
     std::fflush(stdout);
 }
 
