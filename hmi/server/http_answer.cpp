@@ -11,9 +11,11 @@ namespace deixis {
 
 HttpAnswer error_answer(int status, std::string_view sentence) {
     const nlohmann::json body = {{"error", sentence}};
-    HttpAnswer answer{status, "application/json",
+    HttpAnswer answer{status,
+                      "application/json",
                       std::make_shared<const std::string>(
-                          body.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n")};
+                          body.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace) + "\n"),
+                      {}};
     if (status == 405) answer.headers.emplace_back("Allow", "GET, HEAD");
     return answer;
 }

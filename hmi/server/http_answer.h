@@ -15,8 +15,8 @@ using SharedBytes = std::shared_ptr<const std::string>;
 struct HttpAnswer {
     int status = 200;
     std::string content_type;
-    SharedBytes body;                                            ///< null: none
-    std::vector<std::pair<std::string, std::string>> headers{};  ///< besides those that every answer has
+    SharedBytes body;                                          ///< null: none
+    std::vector<std::pair<std::string, std::string>> headers;  ///< besides those that every answer has
 };
 
 /// `{"error": sentence}` with this status.

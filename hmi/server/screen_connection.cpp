@@ -30,15 +30,26 @@ bool means_not_now(const Poco::Exception& error) {
            dynamic_cast<const Poco::TimeoutException*>(&error) != nullptr;
 }
 
+/// False where the client is gone and `act` cannot be done to its socket any more.
+template <class Act>
+bool unless_gone(const Act& act) {
+    try {
+        act();
+        return true;
+    } catch (const Poco::Exception&) {
+        return false;
+    }
+}
+
 SharedBytes shared(std::string bytes) {
     return std::make_shared<const std::string>(std::move(bytes));
 }
 
 }  // namespace
 
-ScreenConnection::ScreenConnection(Poco::Net::StreamSocket socket, ConnectionSurroundings around,
+ScreenConnection::ScreenConnection(const Poco::Net::StreamSocket& socket, ConnectionSurroundings around,
                                    Clock::time_point now)
-    : socket_(std::move(socket)),
+    : socket_(socket),
       around_(around),
       born_(now),
       phase_deadline_(now + milliseconds(around.params.request_timeout_ms)),
@@ -47,10 +58,7 @@ ScreenConnection::ScreenConnection(Poco::Net::StreamSocket socket, ConnectionSur
       last_ping_(now) {}
 
 ScreenConnection::~ScreenConnection() {
-    try {
-        socket_.close();
-    } catch (const Poco::Exception&) {  // already gone, which is what we want
-    }
+    unless_gone([&] { socket_.close(); });
 }
 
 int ScreenConnection::handle() const {
@@ -102,8 +110,8 @@ void ScreenConnection::read_request(Clock::time_point now, const LiveMessage* ne
     if (!request) return answer(error_answer(request.error().status, request.error().sentence), true, now);
     inbox_.erase(0, **head);
     const bool live_free = around_.live_clients < around_.params.max_live_clients;
-    HttpAnswer composed = around_.routes.answer(*request, newest, live_free);
-    if (composed.status != 101) return answer(std::move(composed), request->method == "GET", now);
+    const HttpAnswer composed = around_.routes.answer(*request, newest, live_free);
+    if (composed.status != 101) return answer(composed, request->method == "GET", now);
 
     socket_.setSendBufferSize(live_send_buffer_bytes);
     outbox_.push_back(shared(head_of(composed)));
@@ -130,7 +138,7 @@ void ScreenConnection::read_live_frames(Clock::time_point now) {
     inbox_.clear();
 }
 
-void ScreenConnection::answer(HttpAnswer answer, bool with_body, Clock::time_point now) {
+void ScreenConnection::answer(const HttpAnswer& answer, bool with_body, Clock::time_point now) {
     outbox_.push_back(shared(head_of(answer)));
     if (with_body && answer.body && !answer.body->empty()) outbox_.push_back(answer.body);
     phase_ = Phase::answering;
@@ -184,11 +192,7 @@ void ScreenConnection::linger(Clock::time_point now) {
     phase_ = Phase::lingering;
     last_words_ = false;
     phase_deadline_ = now + linger_time;
-    try {
-        socket_.shutdownSend();
-    } catch (const Poco::Exception&) {
-        phase_ = Phase::over;
-    }
+    if (!unless_gone([&] { socket_.shutdownSend(); })) phase_ = Phase::over;
 }
 
 void ScreenConnection::on_time(Clock::time_point now, const LiveMessage* newest) {
@@ -229,21 +233,17 @@ void ScreenConnection::refuse_for_lack_of_room(Clock::time_point now) {
 // What the client has not fetched in its time is dropped, in the kernel too.
 void ScreenConnection::give_up() {
     phase_ = Phase::over;
-    try {
-        socket_.setLinger(true, 0);
-    } catch (const Poco::Exception&) {  // it is gone already
-    }
+    unless_gone([&] { socket_.setLinger(true, 0); });
 }
 
 void ScreenConnection::end_now() {
-    try {
+    unless_gone([&] {
         if (phase_ == Phase::live && outbox_.empty()) {
             const std::string goodbye = encode_web_socket_close(1001, "The station is stopping.");
             socket_.sendBytes(goodbye.data(), static_cast<int>(goodbye.size()), MSG_NOSIGNAL);
         }
         socket_.shutdown();
-    } catch (const Poco::Exception&) {  // the client left first
-    }
+    });
     phase_ = Phase::over;
 }
 

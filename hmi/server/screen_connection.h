@@ -26,7 +26,8 @@ class ScreenConnection {
   public:
     using Clock = std::chrono::steady_clock;
 
-    ScreenConnection(Poco::Net::StreamSocket socket, ConnectionSurroundings around, Clock::time_point now);
+    ScreenConnection(const Poco::Net::StreamSocket& socket, ConnectionSurroundings around,
+                     Clock::time_point now);
     ~ScreenConnection();
 
     int handle() const;
@@ -55,7 +56,7 @@ class ScreenConnection {
 
     void read_request(Clock::time_point now, const LiveMessage* newest);
     void read_live_frames(Clock::time_point now);
-    void answer(HttpAnswer answer, bool with_body, Clock::time_point now);
+    void answer(const HttpAnswer& answer, bool with_body, Clock::time_point now);
     void close_live(uint16_t code, const std::string& reason, Clock::time_point now);
     void send_newest(Clock::time_point now, const LiveMessage& newest);
     void flush(Clock::time_point now);

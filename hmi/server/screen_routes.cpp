@@ -12,13 +12,13 @@ namespace deixis {
 namespace {
 
 HttpAnswer json_answer(std::string body) {
-    return {200, "application/json", std::make_shared<const std::string>(std::move(body))};
+    return {200, "application/json", std::make_shared<const std::string>(std::move(body)), {}};
 }
 
 /// 304 without a body when the browser already holds these bytes. `no-cache`: keep it, but ask each time.
 HttpAnswer cached_answer(const HttpRequest& request, std::string content_type, SharedBytes bytes,
                          const std::string& etag) {
-    HttpAnswer answer{200, std::move(content_type), std::move(bytes)};
+    HttpAnswer answer{200, std::move(content_type), std::move(bytes), {}};
     answer.headers = {{"ETag", etag}, {"Cache-Control", "no-cache"}};
     if (request.header("if-none-match") == etag) {
         answer.status = 304;
@@ -65,7 +65,7 @@ HttpAnswer upgrade_answer(const HttpRequest& request, bool live_free) {
                                      std::string(origin.substr(0, 100)) + "'.");
     if (!live_free)
         return error_answer(503, "As many screens as allowed are already watching; close one of them.");
-    HttpAnswer answer{101, "", nullptr};
+    HttpAnswer answer{101, "", nullptr, {}};
     answer.headers = {{"Upgrade", "websocket"},
                       {"Connection", "Upgrade"},
                       {"Sec-WebSocket-Accept", web_socket_accept(key)}};

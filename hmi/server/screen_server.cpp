@@ -52,10 +52,10 @@ InvalidSettings ScreenServerParams::validate() const {
 
 struct ScreenServer::Impl {
     Impl(const ScreenServerParams& chosen, StaticFiles files, ScreenFeed& feed,
-         Poco::Net::ServerSocket listening)
+         const Poco::Net::ServerSocket& listening)
         : params(chosen),
           routes(std::move(files), feed),
-          listener(std::move(listening)),
+          listener(listening),
           wake(::eventfd(0, EFD_NONBLOCK | EFD_CLOEXEC)) {}
     ~Impl() {
         if (wake >= 0) ::close(wake);
@@ -149,7 +149,7 @@ void ScreenServer::Impl::accept_waiting(Clock::time_point now) {
             make_room();
             const bool room = connections.size() < static_cast<size_t>(params.max_connections);
             auto connection = std::make_unique<ScreenConnection>(
-                std::move(socket), ConnectionSurroundings{params, routes, live_clients}, now);
+                socket, ConnectionSurroundings{params, routes, live_clients}, now);
             if (!room) connection->refuse_for_lack_of_room(now);
             // Refused ones linger for a second at most; beyond twice the room they are dropped without a
             // word.
