@@ -23,7 +23,6 @@ struct SensorOptions {
     uint64_t skip = 0;
     int bell = -1;
     bool paced = false;
-    bool verified = false;
     bool quiet = false;
 };
 
@@ -52,8 +51,7 @@ Result<int64_t> count_frames(const SensorOptions& options, FrameRingWriter& ring
     if (type != std::filesystem::file_type::regular)
         return fail(options.recording + ": is not a file, expected an OpenNI2 recording");
     const BeatMeanwhile beating(ring);
-    const auto summary =
-        walk_oni(options.recording, options.verified ? OniPixels::skipped : OniPixels::decoded);
+    const auto summary = walk_oni(options.recording);
     if (!summary) return fail(summary.error().sentence);
     const RingGeometry size = ring.geometry();
     if (summary->infrared) return fail(options.recording + ": is an infrared recording, expected depth");
@@ -98,8 +96,6 @@ void add_sensor_command(CLI::App& app) {
         sensor->add_option("--recording", options.recording, "recording (.oni) to play")->excludes(uri);
     sensor->add_option("--skip", options.skip, "frames of the recording not to send again")->needs(recording);
     sensor->add_flag("--paced", options.paced, "play the recording at its own pace")->needs(recording);
-    sensor->add_flag("--verified", options.verified, "the recording's checksum is known to be right")
-        ->needs(recording);
     sensor->add_option("--bell", options.bell, "open file that gets a byte after each frame");
     sensor->add_flag("--quiet", options.quiet, "say what is wrong in the ring only");
     sensor->callback([] {

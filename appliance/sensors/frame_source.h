@@ -40,7 +40,6 @@ struct SensorSpec {
     bool recording = false;     ///< `uri` is an .oni file
     int64_t start_us = 0;       ///< added to a recording's stamps
     int64_t frames = -1;        ///< expected frames of a recording; -1 = unknown
-    bool verified = false;      ///< the recording's checksum was found right: its pixels are not walked again
     int width = 0, height = 0;  ///< from the calibration; another size is refused
 };
 

@@ -59,7 +59,6 @@ void SupervisedSensor::start() {
         command.arguments.insert(command.arguments.end(), {"--skip", std::to_string(delivered_)});
     if (spec_.recording && (params_.real_time || !params_.lock_step))
         command.arguments.emplace_back("--paced");
-    if (spec_.verified) command.arguments.emplace_back("--verified");
     if (!params_.driver_folder.empty()) {
         std::string folders = std::filesystem::absolute(params_.driver_folder);
         if (const char* before = std::getenv("LD_LIBRARY_PATH")) folders += std::string(":") + before;
