@@ -97,9 +97,13 @@ Result<FrameStamps> read_timestamps(const std::filesystem::path& path) {
     return parse_timestamps(*text, path.string());
 }
 
+const char* timestamps_header(bool with_host) {
+    return with_host ? "frame,timestamp_us,host_us\n" : "frame,timestamp_us\n";
+}
+
 std::string timestamps_text(const FrameStamps& stamps) {
     const bool with_host = !stamps.host_us.empty();
-    std::string out = with_host ? "frame,timestamp_us,host_us\n" : "frame,timestamp_us\n";
+    std::string out = timestamps_header(with_host);
     for (size_t i = 0; i < stamps.timestamp_us.size(); ++i) {
         out += std::to_string(i);
         out += ',';

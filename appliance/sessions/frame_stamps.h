@@ -26,6 +26,9 @@ struct FrameStamps {
 Result<FrameStamps> parse_timestamps(std::string_view text, const std::string& name);
 Result<FrameStamps> read_timestamps(const std::filesystem::path& path);
 
+/// The first line, with its line feed.
+const char* timestamps_header(bool with_host);
+
 /// The file that `parse_timestamps` reads back; the host column stands where `host_us` is not empty.
 std::string timestamps_text(const FrameStamps& stamps);
 

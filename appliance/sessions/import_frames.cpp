@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <set>
 
 #include "appliance/calibration/calibration_file.h"
@@ -166,7 +167,8 @@ class FramesImport {
         const ImageSize size = {sensor.camera.width, sensor.camera.height};
         const fs::path file = folder_ / sensor.name / frame_file_name(frame);
         const int64_t stamp = stamps.timestamp_us[static_cast<size_t>(frame)];
-        const int64_t host = stamps.host_us.empty() ? 0 : stamps.host_us[static_cast<size_t>(frame)];
+        std::optional<int64_t> host;
+        if (!stamps.host_us.empty()) host = stamps.host_us[static_cast<size_t>(frame)];
         const auto append = [&](const auto& image) { return writer_.append(index, stamp, image, host); };
         if (sensor.kind == SensorKind::video) return read_video_png(file, size).and_then(append);
         if (sensor.kind == SensorKind::infrared) return read_infrared_png(file, size).and_then(append);

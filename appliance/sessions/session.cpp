@@ -156,13 +156,16 @@ Result<VideoStream> open_video_stream(const SessionStream& stream) {
 }
 
 Result<std::vector<int64_t>> read_host_times(const SessionStream& stream) {
-    if (!stream.host_times) return std::vector<int64_t>{};
-    Result<FrameStamps> stamps = read_timestamps(*stream.host_times);
+    // A video's own stamps hold them.
+    const bool in_video = !stream.host_times && exists_as(stream.file, fs::file_type::directory);
+    if (!stream.host_times && !in_video) return std::vector<int64_t>{};
+    const fs::path csv = in_video ? stream.file / "timestamps.csv" : *stream.host_times;
+    Result<FrameStamps> stamps = read_timestamps(csv);
     if (!stamps) return tl::unexpected(stamps.error());
+    if (in_video && stamps->host_us.empty()) return std::vector<int64_t>{};
     if (static_cast<int64_t>(stamps->host_us.size()) != stream.frames)
-        return fail(stream.host_times->string() + ": expected a host_us for each of " +
-                    std::to_string(stream.frames) + " frames, found " +
-                    std::to_string(stamps->host_us.size()));
+        return fail(csv.string() + ": expected a host_us for each of " + std::to_string(stream.frames) +
+                    " frames, found " + std::to_string(stamps->host_us.size()));
     return std::move(stamps->host_us);
 }
 

@@ -68,6 +68,7 @@ Result<void> mend_video(const fs::path& folder, int64_t& frames) {
     std::error_code error;
     for (int64_t rest = frames; fs::remove(folder / frame_file_name(rest), error);) ++rest;
     stamps->timestamp_us.resize(static_cast<size_t>(frames));
+    if (!stamps->host_us.empty()) stamps->host_us.resize(static_cast<size_t>(frames));
     return write_whole_file(csv, timestamps_text(*stamps));
 }
 

@@ -35,7 +35,7 @@ fs::path without_slash(const fs::path& path) {
 class LineFile {
   public:
     Result<void> add(const fs::path& path, std::string_view line) {
-        if (!out_.is_open()) out_.open(path, std::ios::binary | std::ios::trunc);
+        if (!out_.is_open()) out_.open(path, std::ios::binary | std::ios::app);
         out_ << line << '\n' << std::flush;
         if (!out_) return fail(path.string() + ": cannot be written: " + std::strerror(errno));
         return {};
@@ -79,6 +79,13 @@ struct SessionWriter::Impl {
         return video ? name_of_stream(sensor) : name_of_stream(sensor) + ".oni";
     }
 
+    /// timestamps.csv of a video; beside a recording the file of the host's times.
+    fs::path stamps_file(size_t sensor) const {
+        const bool video = rig.sensors[sensor].kind == SensorKind::video;
+        return video ? working / name_of_stream(sensor) / "timestamps.csv"
+                     : working / (name_of_stream(sensor) + ".csv");
+    }
+
     Session manifest() const {
         Session session;
         session.name = origin.name;
@@ -112,9 +119,8 @@ struct SessionWriter::Impl {
                 if (!fs::create_directory(working / stream_file(i), error))
                     return fail((working / stream_file(i)).string() +
                                 ": cannot be created: " + error.message());
-                if (auto done = streams[i].stamps.add(working / stream_file(i) / "timestamps.csv",
-                                                      "frame,timestamp_us");
-                    !done)
+                // The mender needs one from the start; the first frame may bring another header.
+                if (auto done = write_whole_file(stamps_file(i), timestamps_header(false)); !done)
                     return done;
                 continue;
             }
@@ -127,7 +133,7 @@ struct SessionWriter::Impl {
     }
 
     /// Everything that does not depend on the pixels.
-    Result<void> check_frame(size_t sensor, int64_t timestamp_us, bool video) const {
+    Result<void> check_frame(size_t sensor, int64_t timestamp_us, bool video, bool with_host) const {
         if (finished) return fail(folder.string() + ": is finished; nothing can be appended");
         if (sensor >= streams.size())
             return fail(folder.string() + ": expected a sensor below " + std::to_string(streams.size()) +
@@ -143,7 +149,24 @@ struct SessionWriter::Impl {
         if (stream.frames > 0 && timestamp_us <= stream.last_us)
             return fail(place + ": expected a timestamp above " + std::to_string(stream.last_us) +
                         ", found " + std::to_string(timestamp_us));
+        if (stream.frames > 0 && with_host != stream.with_host)
+            return fail(place + (with_host ? ": expected no host_us, as frame 0 has none"
+                                           : ": expected a host_us, as frame 0 has one"));
         return {};
+    }
+
+    /// The first frame decides whether the file has a column for the host's times.
+    Result<void> add_stamps(size_t sensor, int64_t frame, int64_t timestamp_us,
+                            std::optional<int64_t> host_us) {
+        OpenStream& stream = streams[sensor];
+        if (frame == 0 && host_us) {
+            stream.with_host = true;
+            if (auto done = write_whole_file(stamps_file(sensor), timestamps_header(true)); !done)
+                return done;
+        }
+        std::string line = std::to_string(frame) + "," + std::to_string(timestamp_us);
+        if (host_us) line.append(",").append(std::to_string(*host_us));
+        return stream.stamps.add(stamps_file(sensor), line);
     }
 
     void count_frame(OpenStream& stream, int64_t timestamp_us) const {
@@ -193,27 +216,24 @@ Result<SessionWriter> SessionWriter::create(const fs::path& folder, const Sensor
 }
 
 Result<void> SessionWriter::append(size_t sensor, int64_t timestamp_us, const DepthImage& image,
-                                   int64_t host_us) {
-    if (auto checked = impl_->check_frame(sensor, timestamp_us, false); !checked) return checked;
+                                   std::optional<int64_t> host_us) {
+    if (auto checked = impl_->check_frame(sensor, timestamp_us, false, host_us.has_value()); !checked)
+        return checked;
     OpenStream& stream = impl_->streams[sensor];
     const bool first = stream.frames == 0;
     const int64_t start_us = first ? timestamp_us : stream.first_us;
     if (auto done = stream.recording->append(timestamp_us - start_us, image); !done) return done;
     impl_->count_frame(stream, timestamp_us);
-    if (first) stream.with_host = host_us != 0;
-    if (stream.with_host) {
-        const fs::path csv = impl_->working / (impl_->name_of_stream(sensor) + ".csv");
-        const std::string head = first ? "frame,timestamp_us,host_us\n" : "";
-        const std::string line = head + std::to_string(stream.frames - 1) + "," +
-                                 std::to_string(timestamp_us) + "," + std::to_string(host_us);
-        if (auto done = stream.stamps.add(csv, line); !done) return done;
-    }
+    if (host_us)
+        if (auto done = impl_->add_stamps(sensor, stream.frames - 1, timestamp_us, host_us); !done)
+            return done;
     return first ? impl_->note_progress() : Result<void>{};
 }
 
 Result<void> SessionWriter::append(size_t sensor, int64_t timestamp_us, const VideoImage& image,
-                                   int64_t host_us) {
-    if (auto checked = impl_->check_frame(sensor, timestamp_us, true); !checked) return checked;
+                                   std::optional<int64_t> host_us) {
+    if (auto checked = impl_->check_frame(sensor, timestamp_us, true, host_us.has_value()); !checked)
+        return checked;
     OpenStream& stream = impl_->streams[sensor];
     const CameraModel& camera = impl_->rig.sensors[sensor].camera;
     const fs::path file = impl_->working / impl_->stream_file(sensor) / frame_file_name(stream.frames);
@@ -226,9 +246,7 @@ Result<void> SessionWriter::append(size_t sensor, int64_t timestamp_us, const Vi
                     std::to_string(image.width) + " x " + std::to_string(image.height) + " of " +
                     std::to_string(image.channels));
     if (auto done = write_video_png(image, file); !done) return done;
-    static_cast<void>(host_us);  // a video's folder has no place for it yet
-    const std::string line = std::to_string(stream.frames) + "," + std::to_string(timestamp_us);
-    if (auto done = stream.stamps.add(file.parent_path() / "timestamps.csv", line); !done) return done;
+    if (auto done = impl_->add_stamps(sensor, stream.frames, timestamp_us, host_us); !done) return done;
     impl_->count_frame(stream, timestamp_us);
     return {};
 }

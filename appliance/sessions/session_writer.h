@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -42,12 +43,14 @@ class SessionWriter {
     ~SessionWriter();  ///< without `finish`: the `.recording` folder stays for `mend_session`
 
     /// One frame of sensor `sensor` (index in the rig; depth or infrared), stamps on the session clock,
-    /// strictly rising a sensor; `host_us` 0 = unknown. Refuses other sizes, stamps that do not rise, 65535
-    /// in depth, a full disk; what was written before stays good.
-    Result<void> append(size_t sensor, int64_t timestamp_us, const DepthImage& image, int64_t host_us = 0);
+    /// strictly rising a sensor; `host_us` on every frame of a sensor or on none. Refuses other sizes,
+    /// stamps that do not rise, 65535 in depth, a full disk; what was written before stays good.
+    Result<void> append(size_t sensor, int64_t timestamp_us, const DepthImage& image,
+                        std::optional<int64_t> host_us = std::nullopt);
 
     /// One frame of a video sensor.
-    Result<void> append(size_t sensor, int64_t timestamp_us, const VideoImage& image, int64_t host_us = 0);
+    Result<void> append(size_t sensor, int64_t timestamp_us, const VideoImage& image,
+                        std::optional<int64_t> host_us = std::nullopt);
 
     /// The empty cell as depth sensor `sensor` sees it.
     Result<void> set_background(size_t sensor, const DepthImage& image);

@@ -106,6 +106,31 @@ TEST(ImportFrames, InfraredVideoAndHostTimes) {
     }));
 }
 
+TEST(ImportFrames, KeepsTheHostsTimesOfEveryKindOfSensor) {
+    const ScratchFolder scratch;
+    SensorRig rig;
+    rig.sensors.push_back(sample_sensor("depth", SensorKind::depth, 8, 4));
+    rig.sensors.push_back(sample_sensor("ir", SensorKind::infrared, 8, 4));
+    rig.sensors.push_back(sample_sensor("film", SensorKind::video, 8, 4));
+    write_frames_folder(scratch / "frames", rig, {2, 2, 2});
+    const std::string stamps = "frame,timestamp_us,host_us\n0,5,0\n1,6,-3\n";  // 0 is a time like any other
+    for (const CalibratedSensor& sensor : rig.sensors)
+        write_bytes(scratch / "frames" / sensor.name / "timestamps.csv", stamps);
+    for (const char* image : {"film/000000.png", "film/000001.png"})
+        ASSERT_TRUE(write_video_png({8, 4, 3, std::vector<uint8_t>(96, 9)}, scratch / "frames" / image));
+    const auto report = import_frames(scratch / "frames", scratch / "out", sample_origin());
+    ASSERT_TRUE(report) << report.error().sentence;
+    const auto session = open_session(scratch / "out");
+    ASSERT_TRUE(session) << session.error().sentence;
+    for (const SessionStream& stream : session->streams) {
+        const auto host = read_host_times(stream);
+        ASSERT_TRUE(host) << host.error().sentence;
+        EXPECT_THAT(*host, ElementsAre(0, -3)) << stream.sensor;
+    }
+    EXPECT_EQ(bytes_of(scratch / "out/film/timestamps.csv"), stamps);
+    EXPECT_EQ(bytes_of(scratch / "out/depth.csv"), stamps);
+}
+
 struct BadFolder {
     const char* sentence;
     std::function<void(const fs::path&)> damage;

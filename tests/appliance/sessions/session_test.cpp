@@ -135,6 +135,7 @@ TEST(Session, HoldsInfraredAndVideo) {
     ASSERT_OK(video);
     EXPECT_THAT(video->timestamp_us, ElementsAre(90, 95));
     EXPECT_EQ(session->streams[1].start_us, 0);
+    EXPECT_TRUE(read_host_times(session->streams[1])->empty());
     EXPECT_EQ(read_video_png(video->files[0], {8, 4})->bytes, rgb.bytes);
     write_bytes(scratch / "s/film/000001.png", "damaged");
     EXPECT_THAT(failure_of(scratch / "s"), HasSubstr("film is not what was recorded"));
@@ -177,6 +178,8 @@ TEST(SessionWriter, RefusesByNameAndGoesOn) {
     write_bytes(scratch / "part.toml", "model = \"left.oni\"");
     EXPECT_THAT(writer->copy_part(scratch / "part.toml").error().sentence,
                 HasSubstr("expected another file name than left.oni"));
+    EXPECT_THAT(writer->append(0, 200, room_image(24, 16, 2), 7).error().sentence,
+                HasSubstr("left.oni: frame 1: expected no host_us, as frame 0 has none"));
     ASSERT_OK(writer->append(0, 200, room_image(24, 16, 2)));
     EXPECT_THAT(SessionWriter::create(scratch / "s", sample_rig(), sample_origin()).error().sentence,
                 HasSubstr("s.recording: is an interrupted recording; mend or remove it first"));
@@ -346,7 +349,8 @@ void check_mending_after_kill(int frames) {
             const auto seed = static_cast<uint32_t>(i);
             if (!writer->append(0, 1000 + i, room_image(24, 16, seed), 50 + i)) ::_exit(2);
             if (!writer->append(1, 2000 + i, room_image(33, 17, seed))) ::_exit(3);
-            if (!writer->append(2, 3000 + i, VideoImage{8, 4, 1, std::vector<uint8_t>(32, 255)})) ::_exit(4);
+            if (!writer->append(2, 3000 + i, VideoImage{8, 4, 1, std::vector<uint8_t>(32, 255)}, 70 + i))
+                ::_exit(4);
             if (!writer->add_truth_line("{\"timestamp_us\": 1}")) ::_exit(5);
         }
         ::kill(::getpid(), SIGKILL);
@@ -379,6 +383,8 @@ void check_mending_after_kill(int frames) {
     EXPECT_EQ(session->streams[0].start_us, 1000);
     EXPECT_EQ(session->streams[1].start_us, 2000);
     EXPECT_EQ(read_host_times(session->streams[0])->size(), static_cast<size_t>(frames - 1));
+    EXPECT_EQ(read_host_times(session->streams[2])->size(), static_cast<size_t>(frames));
+    EXPECT_EQ(read_host_times(session->streams[2])->back(), 70 + frames - 1);
     EXPECT_EQ(bytes_of(*session->truth).size(), static_cast<size_t>(frames) * 20);
     EXPECT_FALSE(fs::exists(scratch / "s/recording.toml"));
 }
