@@ -137,6 +137,11 @@ std::vector<std::string> JsonObject::keys() const {
 
 void JsonObject::warn_unknown(std::initializer_list<std::string_view> known, std::set<std::string>& seen,
                               std::vector<std::string>& warnings) const {
+    warn_unknown(std::span(known.begin(), known.size()), seen, warnings);
+}
+
+void JsonObject::warn_unknown(std::span<const std::string_view> known, std::set<std::string>& seen,
+                              std::vector<std::string>& warnings) const {
     for (const std::string& key : keys()) {
         if (std::find(known.begin(), known.end(), key) != known.end()) continue;
         if (seen.insert(prefix_ + key).second)

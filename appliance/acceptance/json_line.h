@@ -9,6 +9,7 @@
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -42,6 +43,8 @@ class JsonObject {
     std::vector<std::string> keys() const;
 
     /// Adds one sentence for each key not in `known` that `seen` does not hold yet.
+    void warn_unknown(std::span<const std::string_view> known, std::set<std::string>& seen,
+                      std::vector<std::string>& warnings) const;
     void warn_unknown(std::initializer_list<std::string_view> known, std::set<std::string>& seen,
                       std::vector<std::string>& warnings) const;
 

@@ -43,12 +43,11 @@ TruthFrame read_frame(const JsonObject& line, std::set<std::string>& seen,
     frame.timestamp_us = *stamp;
     line.warn_unknown({"timestamp_us", "joints", "part", "pointing"}, seen, warnings);
     if (const auto joints = line.object("joints")) {
-        for (const std::string& joint : joints->keys()) {
-            if (std::find(joint_names.begin(), joint_names.end(), joint) == joint_names.end()) {
-                line.refuse("joints." + joint + " is not one of the fifteen joints");
-            }
-            if (const auto position = joints->vector(joint.c_str())) frame.joints[joint] = *position;
+        for (const std::string_view joint : joint_names) {
+            const std::string name(joint);
+            if (const auto position = joints->vector(name.c_str())) frame.joints[name] = *position;
         }
+        joints->warn_unknown(joint_names, seen, warnings);
     }
     if (const auto part = line.object("part")) {
         frame.part_rotation = part->rotation("rotation");

@@ -28,7 +28,7 @@ struct TruthPointing {
 /// One line. `timestamp_us` may be that of any sensor.
 struct TruthFrame {
     int64_t timestamp_us = 0;
-    std::map<std::string, Eigen::Vector3d> joints;  ///< world frame [m], by the names of formats.md
+    std::map<std::string, Eigen::Vector3d> joints;  ///< world frame [m]; only names of formats.md
     std::optional<Eigen::Matrix3d> part_rotation;   ///< world_from_part
     std::optional<Eigen::Vector3d> part_translation;
     std::optional<TruthPointing> pointing;
@@ -40,10 +40,9 @@ struct Truth {
 };
 
 /// Reads truth.jsonl. Refuses with one sentence naming file, line and key: not JSON, not an object, no or a
-/// fractional `timestamp_us`, a joint that formats.md does not name, vectors of other than three finite
-/// numbers, a rotation that is not orthonormal to 1e-4 or is a reflection, an arm that is neither left nor
-/// right, a hold below 1, and two lines that contradict each other about what a hold meant. Empty lines are
-/// passed over; an empty file is refused.
+/// fractional `timestamp_us`, vectors of other than three finite numbers, a rotation that is not orthonormal
+/// to 1e-4 or is a reflection, an arm that is neither left nor right, a hold below 1, and two lines that
+/// contradict each other about what a hold meant. Empty lines are passed over; an empty file is refused.
 Result<Truth> read_truth(const std::filesystem::path& path);
 
 /// The same from a stream; `name` stands for the file in sentences.
