@@ -17,7 +17,15 @@ double elapsed_us(int64_t from, int64_t to) {
     return double(to) - double(from);
 }
 
-void add_line(TruthHold& hold, const TruthFrame& frame) {
+/// A gesture while its lines are gathered.
+struct GatheredHold {
+    TruthHold hold;
+    std::optional<bool> meant;  ///< of the first line that says it
+};
+
+void add_line(GatheredHold& gathered, const TruthFrame& frame) {
+    TruthHold& hold = gathered.hold;
+    if (!gathered.meant) gathered.meant = frame.pointing->meant;
     hold.last_us = std::max(hold.last_us, frame.timestamp_us);
     if (!hold.arm) hold.arm = frame.pointing->arm;
     if (!hold.target_part) hold.target_part = frame.pointing->target_part;
@@ -28,16 +36,22 @@ bool same_spot(const std::optional<Eigen::Vector3d>& a, const std::optional<Eige
     return !a || !b || (*a - *b).norm() < 1e-3;
 }
 
-TruthHold* find_hold(std::vector<TruthHold>& holds, const TruthFrame& frame) {
+bool same_meaning(const std::optional<bool>& a, const std::optional<bool>& b) {
+    return !a || !b || *a == *b;
+}
+
+GatheredHold* find_hold(std::vector<GatheredHold>& holds, const TruthFrame& frame) {
     if (frame.pointing->hold) {
-        const auto same = [&](const TruthHold& hold) { return hold.hold == *frame.pointing->hold; };
+        const auto same = [&](const GatheredHold& gathered) {
+            return gathered.hold.hold == *frame.pointing->hold;
+        };
         const auto found = std::find_if(holds.begin(), holds.end(), same);
         return found == holds.end() ? nullptr : &*found;
     }
-    const auto continued = [&](const TruthHold& hold) {
-        return hold.hold == 0 && hold.meant == frame.pointing->meant &&
-               same_spot(hold.target_part, frame.pointing->target_part) &&
-               elapsed_us(hold.last_us, frame.timestamp_us) <= same_gesture_gap_us;
+    const auto continued = [&](const GatheredHold& gathered) {
+        return gathered.hold.hold == 0 && same_meaning(gathered.meant, frame.pointing->meant) &&
+               same_spot(gathered.hold.target_part, frame.pointing->target_part) &&
+               elapsed_us(gathered.hold.last_us, frame.timestamp_us) <= same_gesture_gap_us;
     };
     const auto found = std::find_if(holds.rbegin(), holds.rend(), continued);
     return found == holds.rend() ? nullptr : &*found;
@@ -109,23 +123,25 @@ void judge_hold(JudgedHold& hold, std::vector<JudgedMark>& marks, double toleran
 }  // namespace
 
 std::vector<TruthHold> holds_of(const Truth& truth) {
-    std::vector<TruthHold> holds;
+    std::vector<GatheredHold> gathered;
     int64_t highest = 0;
     for (const TruthFrame& frame : truth.frames) {
         if (!frame.pointing) continue;
-        TruthHold* hold = find_hold(holds, frame);
-        if (hold == nullptr) {
-            holds.push_back({});
-            hold = &holds.back();
-            hold->hold = frame.pointing->hold.value_or(0);  // 0: numbered below
-            hold->meant = frame.pointing->meant;
-            hold->first_us = hold->last_us = frame.timestamp_us;
-            highest = std::max(highest, hold->hold);
+        GatheredHold* found = find_hold(gathered, frame);
+        if (found == nullptr) {
+            gathered.push_back({});
+            found = &gathered.back();
+            found->hold.hold = frame.pointing->hold.value_or(0);  // 0: numbered below
+            found->hold.first_us = found->hold.last_us = frame.timestamp_us;
+            highest = std::max(highest, found->hold.hold);
         }
-        add_line(*hold, frame);
+        add_line(*found, frame);
     }
-    for (TruthHold& hold : holds) {
-        if (hold.hold == 0 && highest < INT64_MAX) hold.hold = ++highest;
+    std::vector<TruthHold> holds;
+    for (const GatheredHold& each : gathered) {
+        holds.push_back(each.hold);
+        holds.back().meant = each.meant.value_or(true);
+        if (each.hold.hold == 0 && highest < INT64_MAX) holds.back().hold = ++highest;
     }
     return holds;
 }

@@ -16,7 +16,7 @@ namespace deixis {
 /// One gesture of the truth, from all its lines.
 struct TruthHold {
     int64_t hold = 0;
-    bool meant = true;
+    bool meant = true;  ///< of the first line that says it
     std::optional<ArmSide> arm;
     bool touch = false;
     std::optional<Eigen::Vector3d> target_part;  ///< [m]; of the first line that has it

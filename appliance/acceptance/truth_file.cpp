@@ -29,7 +29,7 @@ TruthPointing read_truth_pointing(const JsonObject& pointing) {
     if (out.hold && *out.hold < 1)
         pointing.refuse("pointing.hold is " + std::to_string(*out.hold) + ", expected 1 or more");
     out.arm = pointing.arm("arm");
-    out.meant = pointing.boolean("meant").value_or(true);
+    out.meant = pointing.boolean("meant");
     out.touch = pointing.boolean("touch");
     out.target_part = pointing.vector("target_part");
     return out;
@@ -99,9 +99,9 @@ Result<Truth> read_truth(std::istream& in, const std::string& name) {
     std::map<int64_t, bool> meant_of_hold;
     const Result<size_t> lines = read_json_lines(in, name, [&](const JsonObject& line) {
         TruthFrame frame = read_frame(line, seen, truth.warnings);
-        if (frame.pointing && frame.pointing->hold) {
-            const auto [known, added] = meant_of_hold.emplace(*frame.pointing->hold, frame.pointing->meant);
-            if (known->second != frame.pointing->meant) {
+        if (frame.pointing && frame.pointing->hold && frame.pointing->meant) {
+            const auto [known, added] = meant_of_hold.emplace(*frame.pointing->hold, *frame.pointing->meant);
+            if (known->second != *frame.pointing->meant) {
                 line.refuse("pointing.meant of hold " + std::to_string(known->first) +
                             " differs from an earlier line");
             }

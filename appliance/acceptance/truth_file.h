@@ -20,7 +20,7 @@ namespace deixis {
 struct TruthPointing {
     std::optional<int64_t> hold;  ///< counts the gestures of the session from 1
     std::optional<ArmSide> arm;
-    bool meant = true;  ///< false: must not become a mark
+    std::optional<bool> meant;  ///< false: must not become a mark
     std::optional<bool> touch;
     std::optional<Eigen::Vector3d> target_part;  ///< the true spot, part frame [m]
 };

@@ -11,7 +11,7 @@ constexpr int64_t second = 1'000'000;
 
 struct Gesture {
     std::optional<int64_t> hold;
-    bool meant;
+    std::optional<bool> meant;
     int64_t first_us, last_us;
     std::optional<Eigen::Vector3d> spot;
 };
@@ -139,6 +139,20 @@ TEST(MarkMatching, GesturesWithoutNumbersAreToldApartByTimeAndSpot) {
     EXPECT_EQ(holds[1].hold, 8);
     EXPECT_EQ(holds[3].hold, 10);
     EXPECT_EQ(holds[2].first_us, 5 * second + 100'000);
+}
+
+TEST(MarkMatching, AGestureIsMeantAsTheFirstLineThatSaysItElseMeant) {
+    for (const std::optional<int64_t> number : {std::optional<int64_t>(3), std::optional<int64_t>()}) {
+        const Truth truth =
+            truth_with({{number, std::nullopt, 10 * second, 10 * second, left_spot},
+                        {number, false, 10 * second + 100'000, 11 * second, std::nullopt},
+                        {number, std::nullopt, 11 * second + 100'000, 12 * second, left_spot}});
+        const std::vector<TruthHold> holds = holds_of(truth);
+        ASSERT_EQ(holds.size(), 1U);
+        EXPECT_FALSE(holds[0].meant);
+        EXPECT_EQ(holds[0].target_part, left_spot);
+    }
+    EXPECT_TRUE(holds_of(truth_with({{1, std::nullopt, second, second, left_spot}}))[0].meant);
 }
 
 TEST(MarkMatching, TheOtherArmIsSaidButStaysRight) {

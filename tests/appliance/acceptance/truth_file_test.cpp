@@ -28,7 +28,7 @@ TEST(TruthFile, ReadsTheLineOfTheFormatsPage) {
     EXPECT_EQ(*frame.part_translation, Eigen::Vector3d(0, 0, 0.9));
     EXPECT_EQ(frame.pointing->hold, 3);
     EXPECT_EQ(frame.pointing->arm, ArmSide::right);
-    EXPECT_TRUE(frame.pointing->meant);
+    EXPECT_EQ(frame.pointing->meant, true);
     EXPECT_EQ(frame.pointing->touch, false);
     EXPECT_EQ(*frame.pointing->target_part, Eigen::Vector3d(0.31, 0.02, 0.12));
     EXPECT_TRUE(truth->warnings.empty());
@@ -47,7 +47,8 @@ TEST(TruthFile, AnythingButTheStampMayBeMissingOrNull) {
     ASSERT_EQ(truth->frames.size(), 5U);
     EXPECT_FALSE(truth->frames[2].part_rotation);
     EXPECT_EQ(*truth->frames[2].part_translation, Eigen::Vector3d(1, 2, 3));
-    EXPECT_TRUE(truth->frames[3].pointing->meant);
+    EXPECT_FALSE(truth->frames[3].pointing->meant.has_value());
+    EXPECT_FALSE(truth->frames[4].pointing->meant.has_value());
     EXPECT_FALSE(truth->frames[4].pointing->hold);
 }
 
@@ -74,6 +75,19 @@ TEST(TruthFile, AnUnknownJointIsOneWarningAndTheOthersCount) {
     ASSERT_EQ(truth->frames[0].joints.size(), 1U);
     EXPECT_EQ(truth->frames[0].joints.at("head"), Eigen::Vector3d(4, 5, 6));
     EXPECT_TRUE(truth->frames[1].joints.empty());
+}
+
+TEST(TruthFile, ALineThatDoesNotSayWhetherAHoldIsMeantContradictsNone) {
+    EXPECT_TRUE(
+        truth_of("{\"timestamp_us\": 1, \"pointing\": {\"hold\": 2}}\n"
+                 "{\"timestamp_us\": 2, \"pointing\": {\"hold\": 2, \"meant\": false}}\n"
+                 "{\"timestamp_us\": 3, \"pointing\": {\"hold\": 2, \"meant\": null}}\n"));
+    EXPECT_EQ(truth_of("{\"timestamp_us\": 1, \"pointing\": {\"hold\": 2}}\n"
+                       "{\"timestamp_us\": 2, \"pointing\": {\"hold\": 2, \"meant\": false}}\n"
+                       "{\"timestamp_us\": 3, \"pointing\": {\"hold\": 2, \"meant\": true}}\n")
+                  .error()
+                  .sentence,
+              "truth.jsonl line 3: pointing.meant of hold 2 differs from an earlier line");
 }
 
 struct BadTruthLine {
