@@ -92,7 +92,7 @@ void check_drivers(DoctorReport& report, const fs::path& driver_folder) {
         const std::string name = entry.path().filename().string();
         if (is_driver_name(name))
             drivers += (drivers.empty() ? "" : ", ") + name;
-        else if (name.ends_with(".so"))
+        else if (name.ends_with(".so") && !fs::exists(entry.path().string() + ".0", trouble))
             report.warn("sensor drivers",
                         entry.path().string() + " will be ignored: OpenNI2 loads lib*.so.0 only",
                         "rename or link it to " + name + ".0");

@@ -191,6 +191,25 @@ TEST_F(RecordCommandsTest, DoctorFindsWhatIsWrongAndSaysWhatToDo) {
     EXPECT_EQ(bytes_of(database_), "this is no record");
 }
 
+TEST_F(RecordCommandsTest, DoctorNamesADriverThatOpenNI2PassesOver) {
+    const fs::path drivers = folder_ / "lib/OpenNI2/Drivers";
+    fs::create_directories(drivers);
+    for (const char* name : {"OpenNI2/Drivers/libOniFile.so.0", "OpenNI2/Drivers/libPS1080.so.0",
+                             "OpenNI2/Drivers/liborbbec.so", "libOpenNI2.so.0"})
+        std::ofstream(folder_ / "lib" / name) << "library";
+    fs::create_symlink("libPS1080.so.0", drivers / "libPS1080.so");
+    fs::create_symlink("gone.so.0", drivers / "libgone.so.0");
+    std::ofstream(drivers / "libgone.so") << "library";
+    const fs::path settings = folder_ / "settings.toml";
+    std::ofstream(settings) << "[station]\ndriver_folder = \"" << (folder_ / "lib").string() << "\"\n";
+    const Outcome outcome = deixis("doctor --json --settings '" + settings.string() + "'" + from_database());
+    for (const char* passed_over : {"liborbbec.so will be ignored", "libgone.so will be ignored"})
+        EXPECT_EQ(check_of(outcome, "sensor drivers", passed_over)["verdict"], "WARN");
+    EXPECT_EQ(check_of(outcome, "sensor drivers", "libPS1080.so.0")["verdict"], "OK");
+    EXPECT_THAT(outcome.said, ::testing::Not(HasSubstr("libPS1080.so will be ignored")))
+        << "it is the link of the one that is loaded";
+}
+
 TEST_F(RecordCommandsTest, DoctorPrintsALineACheckForPeople) {
     const Outcome outcome =
         deixis("doctor --settings '" + (folder_ / "no.toml").string() + "'" + from_database());
