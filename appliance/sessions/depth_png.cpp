@@ -68,6 +68,10 @@ tl::unexpected<Failure> refuse_damage(const std::string& name) {
     return fail(name + ": expected a whole, undamaged PNG file");
 }
 
+std::string pixel_place(const std::string& name, std::ptrdiff_t index, int width) {
+    return name + ": pixel (" + std::to_string(index % width) + ", " + std::to_string(index / width) + ")";
+}
+
 DepthImage image_of(const cv::Mat& pixels) {
     DepthImage image;
     image.resize(pixels.cols, pixels.rows);
@@ -119,9 +123,8 @@ Result<DepthImage> decode_depth_png(std::span<const uint8_t> file, const std::st
     DepthImage image = image_of(*pixels);
     const auto found = std::find(image.millimetres.begin(), image.millimetres.end(), uint16_t{65535});
     if (found == image.millimetres.end()) return image;
-    const std::ptrdiff_t index = found - image.millimetres.begin();
-    return fail(name + ": pixel (" + std::to_string(index % image.width) + ", " +
-                std::to_string(index / image.width) + "): expected 0 to 65534 mm, found 65535");
+    return fail(pixel_place(name, found - image.millimetres.begin(), image.width) +
+                ": expected 0 to 65534 mm, found 65535");
 }
 
 Result<DepthImage> decode_infrared_png(std::span<const uint8_t> file, const std::string& name,
@@ -146,7 +149,12 @@ Result<VideoImage> decode_video_png(std::span<const uint8_t> file, const std::st
     cv::Mat ordered = *pixels;
     if (image.channels == 3) cv::cvtColor(*pixels, ordered, cv::COLOR_BGR2RGB);
     image.bytes.assign(ordered.data, ordered.data + ordered.total() * ordered.elemSize());
-    return image;
+    if (image.channels == 3) return image;
+    const auto found = std::find_if(image.bytes.begin(), image.bytes.end(),
+                                    [](uint8_t value) { return value != 0 && value != 255; });
+    if (found == image.bytes.end()) return image;
+    return fail(pixel_place(name, found - image.bytes.begin(), image.width) +
+                ": expected 0 or 255 of a silhouette, found " + std::to_string(*found));
 }
 
 Result<DepthImage> read_depth_png(const std::filesystem::path& path, ImageSize size) {

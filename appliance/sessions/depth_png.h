@@ -36,7 +36,7 @@ Result<DepthImage> read_infrared_png(const std::filesystem::path& path, ImageSiz
 Result<DepthImage> decode_infrared_png(std::span<const uint8_t> file, const std::string& name,
                                        ImageSize size);
 
-/// 8-bit grey or RGB.
+/// 8-bit RGB, or grey of which every pixel is 0 or 255.
 Result<VideoImage> read_video_png(const std::filesystem::path& path, ImageSize size);
 Result<VideoImage> decode_video_png(std::span<const uint8_t> file, const std::string& name, ImageSize size);
 

@@ -32,7 +32,8 @@ TEST(DepthPng, VideoReadsBackBitForBit) {
     std::mt19937 random(1);
     for (const int channels : {1, 3}) {
         VideoImage image{31, 9, channels, {}};
-        for (int i = 0; i < 31 * 9 * channels; ++i) image.bytes.push_back(static_cast<uint8_t>(random()));
+        for (int i = 0; i < 31 * 9 * channels; ++i)
+            image.bytes.push_back(static_cast<uint8_t>(channels == 3 ? random() : random() % 2 * 255));
         ASSERT_TRUE(write_video_png(image, scratch / "v.png"));
         const auto read = read_video_png(scratch / "v.png", {31, 9});
         ASSERT_TRUE(read) << read.error().sentence;
@@ -47,6 +48,23 @@ TEST(DepthPng, RedIsTheFirstOfTheThreeBytes) {
     // Uncompressed or not, the one pixel of a PNG stands in R, G, B order; another reader would see 255, 10,
     // 0 too.
     EXPECT_EQ(read_video_png(scratch / "red.png", {1, 1})->bytes, (std::vector<uint8_t>{255, 10, 0}));
+}
+
+TEST(DepthPng, AGreyVideoIsASilhouette) {
+    const ScratchFolder scratch;
+    std::vector<uint8_t> bytes(31 * 9, 255);
+    bytes[40] = 0;
+    ASSERT_TRUE(write_video_png({31, 9, 1, bytes}, scratch / "v.png"));
+    EXPECT_EQ(read_video_png(scratch / "v.png", {31, 9})->bytes, bytes);
+    for (const uint8_t wrong : std::vector<uint8_t>{1, 128, 254}) {
+        bytes[40] = wrong;
+        ASSERT_TRUE(write_video_png({31, 9, 1, bytes}, scratch / "v.png"));
+        const auto read = read_video_png(scratch / "v.png", {31, 9});
+        ASSERT_FALSE(read);
+        EXPECT_EQ(read.error().sentence, (scratch / "v.png").string() +
+                                             ": pixel (9, 1): expected 0 or 255 of a silhouette, found " +
+                                             std::to_string(wrong));
+    }
 }
 
 TEST(DepthPng, EightBitInfraredKeepsItsValues) {

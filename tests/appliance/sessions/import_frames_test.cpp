@@ -235,6 +235,21 @@ TEST(ImportFrames, RefusesEachBadFolderAndLeavesNothing) {
     }
 }
 
+TEST(ImportFrames, RefusesAGreyVideoThatIsNoSilhouette) {
+    const ScratchFolder scratch;
+    SensorRig rig;
+    rig.sensors.push_back(sample_sensor("film", SensorKind::video, 8, 4));
+    write_frames_folder(scratch / "frames", rig, {1});
+    VideoImage grey{8, 4, 1, std::vector<uint8_t>(32, 255)};
+    grey.bytes[10] = 200;
+    ASSERT_TRUE(write_video_png(grey, scratch / "frames/film/000000.png"));
+    const auto report = import_frames(scratch / "frames", scratch / "out", sample_origin());
+    ASSERT_FALSE(report);
+    EXPECT_EQ(report.error().sentence, (scratch / "frames/film/000000.png").string() +
+                                           ": pixel (2, 1): expected 0 or 255 of a silhouette, found 200");
+    EXPECT_FALSE(fs::exists(scratch / "out"));
+}
+
 TEST(ImportFrames, KeepsAnExistingSession) {
     const ScratchFolder scratch;
     write_frames_folder(scratch / "frames", sample_rig(), {3, 2});
