@@ -50,11 +50,13 @@ tl::unexpected<Failure> refuse_kind(const std::string& name, const char* expecte
     return fail(name + ": expected " + expected + ", found " + found);
 }
 
-/// The pixels as OpenCV decodes them, of exactly the type that the claim promised.
+/// The pixels as OpenCV decodes them, of exactly the type that the claim promised. OpenCV makes a fourth
+/// channel of a tRNS chunk, which names a colour as transparent; the RGB stands in the file all the same.
 std::optional<cv::Mat> decode(std::span<const uint8_t> file, const PngClaim& claim, int type) {
     try {
         const cv::Mat bytes(1, static_cast<int>(file.size()), CV_8U, const_cast<uint8_t*>(file.data()));
         cv::Mat image = cv::imdecode(bytes, cv::IMREAD_UNCHANGED);
+        if (claim.colour == rgb && image.type() == CV_8UC4) cv::cvtColor(image, image, cv::COLOR_BGRA2BGR);
         if (image.empty() || image.type() != type || image.cols != static_cast<int>(claim.width) ||
             image.rows != static_cast<int>(claim.height) || !image.isContinuous())
             return std::nullopt;

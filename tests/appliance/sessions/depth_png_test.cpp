@@ -67,6 +67,35 @@ TEST(DepthPng, AGreyVideoIsASilhouette) {
     }
 }
 
+/// With the chunk behind the head, where tRNS belongs.
+std::string with_chunk(std::string png, const std::string& chunk) {
+    return png.insert(33, chunk);
+}
+
+TEST(DepthPng, ATransparentColourLeavesTheValuesAsTheyStand) {
+    const ScratchFolder scratch;
+    const std::string colour_9_9_9("\0\0\0\6tRNS\0\x09\0\x09\0\x09\x15\xbb\xe6\xcb", 18);
+    const std::string grey_0("\0\0\0\2tRNS\0\0\x76\x93\xcd\x38", 14);
+    const VideoImage rgb{2, 1, 3, {9, 9, 9, 255, 10, 0}};
+    ASSERT_TRUE(write_video_png(rgb, scratch / "rgb.png"));
+    const auto film =
+        decode_video_png(as_bytes(with_chunk(bytes_of(scratch / "rgb.png"), colour_9_9_9)), "a.png", {2, 1});
+    ASSERT_TRUE(film) << film.error().sentence;
+    EXPECT_EQ(film->channels, 3);
+    EXPECT_EQ(film->bytes, rgb.bytes);
+    ASSERT_TRUE(write_video_png({2, 1, 1, {0, 255}}, scratch / "grey.png"));
+    const std::string silhouette = with_chunk(bytes_of(scratch / "grey.png"), grey_0);
+    EXPECT_EQ(decode_video_png(as_bytes(silhouette), "a.png", {2, 1})->bytes, (std::vector<uint8_t>{0, 255}));
+    EXPECT_EQ(decode_infrared_png(as_bytes(silhouette), "a.png", {2, 1})->millimetres,
+              (std::vector<uint16_t>{0, 255}));
+    const DepthImage depth = room_image(20, 10, 1);
+    ASSERT_TRUE(write_depth_png(depth, scratch / "depth.png"));
+    EXPECT_EQ(
+        decode_depth_png(as_bytes(with_chunk(bytes_of(scratch / "depth.png"), grey_0)), "a.png", {20, 10})
+            ->millimetres,
+        depth.millimetres);
+}
+
 TEST(DepthPng, EightBitInfraredKeepsItsValues) {
     const ScratchFolder scratch;
     ASSERT_TRUE(write_video_png({3, 1, 1, {0, 128, 255}}, scratch / "ir.png"));
