@@ -48,6 +48,8 @@ struct Station::Impl {
     int64_t marks_on_part = 0;
     PartInCell part;
     bool finished = false;
+    DefectId echoed_up_to = 0;      ///< by the PLC in this run: it takes them in order
+    bool left_undelivered = false;  ///< the PLC's queue was full: the record knows more than it
 
     Impl(StationSetup s, DefectLedger l)
         : setup(std::move(s)), perception(setup.cell, setup.settings.perception), ledger(std::move(l)) {
@@ -62,6 +64,7 @@ struct Station::Impl {
     void tell_plc(bool fresh);
     void hear_plc();
     double ms_since_arrival() const;
+    void deliver_undelivered();
     void take_part(const PlcInputs& inputs);
     int64_t marks_in_record() const;
     PlcDefect to_plc(const DefectRecord& record) const;
@@ -82,12 +85,7 @@ Result<std::unique_ptr<Station>> Station::start(StationSetup setup) {
         auto plc = PlcLink::start(impl->setup.settings.plc);
         if (!plc) return tl::unexpected(plc.error());
         impl->plc = std::move(*plc);
-        // What an earlier run committed and the PLC never echoed is delivered again: at least once.
-        DefectFilter open_deliveries;
-        open_deliveries.undelivered = true;
-        if (const auto waiting = impl->ledger.list(open_deliveries))
-            for (const DefectRecord& record : *waiting)
-                if (!impl->plc->deliver(impl->to_plc(record))) break;
+        impl->deliver_undelivered();
     }
     auto source = open_sensors(impl->setup.cell.sensors, source_params(impl->setup));
     if (!source) return tl::unexpected(source.error());
@@ -171,7 +169,28 @@ void Station::Impl::acknowledge(const DefectRecord& record) {
     ++marks_total;
     if (record.part_serial == part.serial && record.part_type == part.type) ++marks_on_part;
     if (!plc) return;
-    if (const auto queued = plc->deliver(to_plc(record)); !queued) trouble = queued.error().sentence;
+    if (const auto queued = plc->deliver(to_plc(record)); !queued) {
+        trouble = queued.error().sentence;
+        left_undelivered = true;
+    }
+}
+
+/// What the record holds and the PLC never echoed, of an earlier run or of a time when it was silent for so
+/// long that the queue was full: each defect is delivered at least once.
+void Station::Impl::deliver_undelivered() {
+    left_undelivered = false;
+    DefectFilter open_deliveries;
+    open_deliveries.undelivered = true;
+    const auto reader = DefectLedger::open_to_read(setup.database);
+    if (!reader) return;
+    const auto waiting = reader->list(open_deliveries);
+    if (!waiting) return;
+    for (const DefectRecord& record : *waiting) {
+        if (record.id <= echoed_up_to) continue;  // its echo is on the way into the record
+        if (plc->deliver(to_plc(record))) continue;
+        left_undelivered = true;
+        return;
+    }
 }
 
 PlcDefect Station::Impl::to_plc(const DefectRecord& record) const {
@@ -210,7 +229,11 @@ void Station::Impl::tell_plc(bool fresh) {
 
 void Station::Impl::hear_plc() {
     if (!plc) return;
-    for (const DefectId id : plc->take_echoed()) recorder->note_delivered(id, utc_now_us());
+    for (const DefectId id : plc->take_echoed()) {
+        recorder->note_delivered(id, utc_now_us());
+        echoed_up_to = std::max(echoed_up_to, id);
+    }
+    if (left_undelivered && plc->state().defects_waiting == 0) deliver_undelivered();
     if (const PlcInputs inputs = plc->inputs(); inputs.part_sequence != part.sequence) take_part(inputs);
 }
 

@@ -1,10 +1,12 @@
-// A defect is booked to the part that the PLC names, and to none once that part has left; its time is the
-// session's own, wherever the session's clock began.
+// Station and PLC over a whole session. A defect is booked to the part that the PLC names, and to none once
+// that part has left; its time is the session's own, wherever the session's clock began. A PLC that slept
+// gets every defect, once.
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <gmock/gmock.h>
 #include <unistd.h>
 
-#include <cstdio>
+#include <algorithm>
+#include <csignal>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -86,6 +88,40 @@ TEST(PartNamedByPlc, GetsTheDefectsMadeWhileItStandsThere) {
         EXPECT_GT(b.time_us, made_us);
         EXPECT_LT(b.time_us, made_us + 60'000'000);
     }
+    fs::remove_all(folder);
+}
+
+TEST(PlcThatWakesLate, GetsWhatItsQueueCouldNotHold) {
+    const char* session = std::getenv("DEIXIS_SESSION");
+    const char* source = std::getenv("DEIXIS_SOURCE");
+    ASSERT_TRUE(session != nullptr && source != nullptr);
+    const std::string folder = testing::TempDir() + "/plc_that_wakes_late";
+    fs::remove_all(folder);
+    fs::create_directories(folder);
+    const std::string port = std::to_string(16'000 + getpid() % 1'000);
+    std::ofstream(folder + "/settings.toml")
+        << "[plc]\nmode = \"server\"\nqueue_length = 1\nport = " << port << "\n";
+    WatchedProgram station({"deixis", "station", session, "--settings", folder + "/settings.toml", "--fast",
+                            "--screen-port", "0", "--database", folder + "/record.db"});
+    ASSERT_TRUE(station.wait_for([](const std::string& line) { return line.starts_with("END "); },
+                                 std::chrono::seconds(120)));
+    const auto is_mark = [](const std::string& line) { return line.starts_with("MARK "); };
+    const auto marks = std::count_if(station.lines().begin(), station.lines().end(), is_mark);
+    ASSERT_GE(marks, 2);
+    const std::string said = folder + "/plc.txt";
+    const std::string peer = std::string("timeout 10 /usr/bin/python3 ") + source + "/deploy/demo-plc " +
+                             port + " > " + said + " 2>&1";
+    EXPECT_NE(std::system(peer.c_str()), 0) << "it asks until its time is up";
+    station.send(SIGTERM);
+    EXPECT_EQ(station.wait(), 0) << testing::PrintToString(station.lines());
+
+    std::ifstream plc(said);
+    std::vector<std::string> took;
+    for (std::string line; std::getline(plc, line);)
+        if (line.starts_with("PLC took defect ")) took.push_back(line.substr(16, line.find(" at") - 16));
+    std::vector<std::string> expected;
+    for (int id = 1; id <= marks; ++id) expected.push_back(std::to_string(id));
+    EXPECT_EQ(took, expected) << "each once, in order";
     fs::remove_all(folder);
 }
 
