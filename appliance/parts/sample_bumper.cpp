@@ -2,6 +2,7 @@
 // CASCADE).
 #include "appliance/parts/sample_bumper.h"
 
+#include <APIHeaderSection_MakeHeader.hxx>
 #include <BRepAlgoAPI_Cut.hxx>
 #include <BRepBuilderAPI_MakeEdge.hxx>
 #include <BRepBuilderAPI_MakeFace.hxx>
@@ -14,6 +15,7 @@
 #include <Interface_Static.hxx>
 #include <STEPControl_Writer.hxx>
 #include <Standard_Failure.hxx>
+#include <TCollection_HAsciiString.hxx>
 #include <TopTools_ListOfShape.hxx>
 #include <TopoDS_Face.hxx>
 #include <TopoDS_Shape.hxx>
@@ -252,8 +254,12 @@ Result<void> write_sample_bumper(SampleBumper variant, const std::filesystem::pa
         Interface_Static::SetCVal("write.step.unit", "MM");
         Interface_Static::SetCVal("write.step.product.name",
                                   variant == SampleBumper::a ? "bumper-a" : "bumper-b");
-        if (writer.Transfer(shape, STEPControl_AsIs) != IFSelect_RetDone ||
-            writer.Write(step_file.c_str()) != IFSelect_RetDone)
+        const bool transferred = writer.Transfer(shape, STEPControl_AsIs) == IFSelect_RetDone;
+        // The same bumper makes the same bytes, so the stamp of creation is not the wall clock's.
+        APIHeaderSection_MakeHeader header(writer.Model());
+        header.SetTimeStamp(new TCollection_HAsciiString("2024-01-01T00:00:00"));
+        header.Apply(writer.Model());
+        if (!transferred || writer.Write(step_file.c_str()) != IFSelect_RetDone)
             return fail(step_file.string() + ": the STEP file cannot be written there.");
     } catch (const Standard_Failure& failure) {
         return fail(step_file.string() + ": the bumper could not be modelled (" + failure.GetMessageString() +

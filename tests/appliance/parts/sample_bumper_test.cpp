@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 
 #include "appliance/parts/model_file.h"
 #include "tracking/geometry/ray_caster.h"
@@ -19,6 +20,10 @@ SurfaceMesh fresh_bumper(SampleBumper variant) {
         std::filesystem::temp_directory_path() / ("deixis-bumper-" + std::to_string(::getpid()) + ".step");
     const auto done = write_sample_bumper(variant, file);
     EXPECT_TRUE(done) << done.error().sentence;
+    std::ifstream in(file);
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    EXPECT_NE(text.find("'2024-01-01T00:00:00'"), std::string::npos)
+        << "no wall clock: the same bytes every time";
     auto mesh = read_model_file(file, 0.001);
     EXPECT_TRUE(mesh) << mesh.error().sentence;
     std::filesystem::remove(file);
