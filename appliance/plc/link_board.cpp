@@ -82,7 +82,6 @@ ToPlcWords LinkBoard::words_for_plc() {
     const auto now = Clock::now();
     LinkWords link;
     link.heartbeat = heartbeat_;
-    link.part_sequence_taken = inputs_.part_sequence;
     link.defects_waiting = static_cast<uint16_t>(std::min<size_t>(defects_.size(), 65535));
     link.defect_sequence = standing_sequence_;
     link.plc_heard = heard(now);

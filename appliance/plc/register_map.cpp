@@ -110,7 +110,7 @@ ToPlcWords to_words(const PlcOutputs& outputs, const std::optional<PlcDefect>& s
     words[status] = status_word(outputs, standing.has_value(), link);
     words[heartbeat] = link.heartbeat;
     words[map_version] = register_map_version;
-    words[part_sequence_taken] = link.part_sequence_taken;
+    words[part_sequence_taken] = outputs.part_sequence_taken;
     words[defect_count] = static_cast<uint16_t>(std::clamp<int64_t>(outputs.defect_count, 0, 65535));
     words[defects_waiting] = link.defects_waiting;
     if (!standing) return words;

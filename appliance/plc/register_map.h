@@ -119,7 +119,8 @@ struct PlcOutputs {
     bool database_ok = false;
     bool mark_toggle = false;
     bool pointing = false;
-    int64_t defect_count = 0;  ///< of the current part
+    int64_t defect_count = 0;          ///< of the current part
+    uint16_t part_sequence_taken = 0;  ///< the PLC's number for that part; 0 = none from the PLC
 };
 
 /// What the PLC tells the station.
@@ -137,7 +138,6 @@ using FromPlcWords = std::array<uint16_t, from_plc_registers>;
 /// What the link itself knows, for to_words().
 struct LinkWords {
     uint16_t heartbeat = 0;
-    uint16_t part_sequence_taken = 0;
     uint16_t defect_sequence = 0;  ///< of the standing defect
     uint16_t defects_waiting = 0;
     bool plc_heard = false;

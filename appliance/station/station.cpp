@@ -224,6 +224,7 @@ void Station::Impl::tell_plc(bool fresh) {
     outputs.mark_toggle = marks_total % 2 != 0;
     outputs.pointing = fresh && result.pointing && result.pointing->hit;
     outputs.defect_count = marks_on_part;
+    outputs.part_sequence_taken = part.sequence;
     plc->publish(outputs);
 }
 

@@ -3,6 +3,7 @@
 
 usage: plc_that_changes_parts.py PORT: prints NAMED, DEFECT serial and GONE as the station acknowledges each
 """
+import logging
 import sys
 import time
 
@@ -25,6 +26,7 @@ def until(condition):
         time.sleep(0.02)
 
 
+logging.disable()  # a station that does not listen yet is no trouble
 client = ModbusTcpClient("127.0.0.1", port=int(sys.argv[1]))
 deadline = time.monotonic() + 60
 while not client.connect():

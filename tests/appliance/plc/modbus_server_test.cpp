@@ -310,6 +310,7 @@ TEST(ModbusServer, APymodbusPlcTakesEveryDefectOnce) {
     ChildProgram plc(
         {"/usr/bin/python3", PLC_SCRIPTS "/plc_that_asks.py", std::to_string(link->port()), "5"});
     for (int id = 1; id <= 5; ++id) {
+        outputs.part_sequence_taken = link->inputs().part_sequence;  // as the station does
         link->publish(outputs);
         EXPECT_EQ(plc.line("DEFECT "), std::to_string(id) + " " + std::to_string(id) + " 310 -20 " +
                                            std::to_string(120 + id) + " 2 1 SN-0042")

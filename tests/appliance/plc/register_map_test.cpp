@@ -35,11 +35,11 @@ PlcDefect sample_defect() {
 TEST(RegisterMap, PlacesADefectAsTheSheetSays) {
     LinkWords link;
     link.heartbeat = 65535;
-    link.part_sequence_taken = 9;
     link.defects_waiting = 2;
     link.defect_sequence = 4465;
     PlcOutputs outputs;
     outputs.defect_count = 70'000;
+    outputs.part_sequence_taken = 9;
     const ToPlcWords words = to_words(outputs, sample_defect(), link);
     EXPECT_EQ(words[line_of("heartbeat").address], 65535);
     EXPECT_EQ(words[line_of("map_version").address], register_map_version);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr SceneNoise kinect{2.85e-3, 0.01, 0};
 
-size_t count(std::span<const uint8_t> mask) {
+size_t pixels_in(std::span<const uint8_t> mask) {
     return static_cast<size_t>(std::accumulate(mask.begin(), mask.end(), 0));
 }
 
@@ -44,11 +44,11 @@ TEST(LiveBackground, LearnsTheCellBehindAWalkingWorker) {
     EXPECT_EQ(frame, 56U) << "twelve images, five framesets apart";
     for (int k = 0; k < 10; ++k, ++frame)  // what a short stay left behind is forgotten
         foreground.update(render_all(sensors, {}, frame, noise_of(frame)));
-    for (size_t s = 0; s < 2; ++s) EXPECT_LT(count(foreground.mask(s)), foreground.mask(s).size() / 500);
+    for (size_t s = 0; s < 2; ++s) EXPECT_LT(pixels_in(foreground.mask(s)), foreground.mask(s).size() / 500);
     DepthScene scene;
     scene.capsules = standing_person(0.3, -0.2);
     foreground.update(render_all(sensors, scene, frame, noise_of(frame)));
-    for (size_t s = 0; s < 2; ++s) EXPECT_GT(count(foreground.mask(s)), 500U) << "and the worker is seen";
+    for (size_t s = 0; s < 2; ++s) EXPECT_GT(pixels_in(foreground.mask(s)), 500U) << "and the worker is seen";
 }
 
 TEST(LiveBackground, LeavesAKnownBackgroundAndAnAbsentSensorAlone) {
