@@ -254,7 +254,7 @@ void check_web(DoctorReport& report, const fs::path& web_root) {
     if (fs::is_regular_file(web_root / "index.html", trouble))
         return report.ok("screen page", web_root.string());
     report.fail("screen page", "there is no " + (web_root / "index.html").string(),
-                "build it with deploy/build-screen, or set screen.web_root");
+                "build it (cmake --build build --target deixis_web), or set screen.web_root");
 }
 
 void check_plc(DoctorReport& report, const PlcParams& params) {

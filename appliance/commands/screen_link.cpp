@@ -56,8 +56,17 @@ void ScreenLink::load_marks() {
     of_part.part_type = part_->type;
     of_part.part_serial = part_->serial;
     marks_.clear();
-    if (const auto ledger = DefectLedger::open_to_read(database_))
-        if (auto found = ledger->list(of_part)) marks_ = std::move(*found);
+    unreadable_.reset();
+    if (part_->serial.empty()) return;  // parts that nobody can tell apart share no marks
+    // The station has checked every page when it opened the record.
+    LedgerParams unchecked;
+    unchecked.check_on_open = false;
+    const auto ledger = DefectLedger::open_to_read(database_, unchecked);
+    auto found = ledger ? ledger->list(of_part) : tl::unexpected(ledger.error());
+    if (found)
+        marks_ = std::move(*found);
+    else
+        unreadable_ = Failure{found.error().sentence};
 }
 
 void ScreenLink::show(const Station& station, bool fresh) {
@@ -98,6 +107,7 @@ std::shared_ptr<const SensorRig> ScreenLink::rig() {
 Result<std::string> ScreenLink::marks_json() {
     nlohmann::ordered_json list = nlohmann::ordered_json::array();
     const std::lock_guard lock(mutex_);
+    if (unreadable_) return tl::unexpected(*unreadable_);
     for (const DefectRecord& record : marks_) list.push_back(mark_json(record));
     return list.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }

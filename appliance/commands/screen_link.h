@@ -5,6 +5,7 @@
 #include <filesystem>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -40,6 +41,7 @@ class ScreenLink : public ScreenFeed {
     std::shared_ptr<const ScreenPart> part_;
     std::shared_ptr<const SensorRig> rig_;
     std::vector<DefectRecord> marks_;
+    std::optional<Failure> unreadable_;     ///< why the marks of the part are not known
     std::unique_ptr<ScreenServer> server_;  ///< last: it asks until it is gone
 };
 

@@ -155,6 +155,8 @@ Result<void> station(const StationOptions& options) {
     for (const std::string& sentence : (*station)->stop())
         std::cerr << "deixis station: " << sentence << '\n';
     if (!ran) return ran;
+    if (const StationState state = (*station)->state(); state.marks_lost > 0)
+        return fail(std::to_string(state.marks_lost) + " marks are lost: " + state.last_trouble);
     if (!options.session.empty())
         for (const SensorHealth& sensor : (*station)->state().sensors)
             if (sensor.state == SensorState::missing)

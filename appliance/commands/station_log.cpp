@@ -31,6 +31,7 @@ void StationLog::tell_changes(const StationState& state) {
     change("RECORD", record_well ? "ready" : with_reason(name_of(state.record.phase), state.record.reason));
     if (state.plc.phase != LinkPhase::off)
         change("PLC", with_reason(name_of(state.plc.phase), state.plc.reason));
+    if (!state.plc_said.empty()) change("PLC-NOTE", state.plc_said);
     if (!state.last_trouble.empty()) change("TROUBLE", state.last_trouble);
 }
 

@@ -68,7 +68,19 @@ std::string register_map_markdown() {
         "\n## From the PLC\n\nStation is the server: holding registers (functions 3, 6, 16) from 0. Station "
         "is the "
         "client: it reads the PLC's holding registers (function 3) from `plc.from_plc_address`.\n\n";
-    return sheet + markdown_block(RegisterBlock::from_plc);
+    sheet += markdown_block(RegisterBlock::from_plc);
+    sheet +=
+        "\n## A new part\n\nWrite `part_type` and `part_serial`, then another number (not 0) into "
+        "`part_sequence`. The station has taken the part over when `part_sequence_taken` shows that number; "
+        "`defect_count` is then that part's. 0 says that no part is there.\n\n"
+        "## A defect\n\nA `defect_sequence` other than before says that a new defect stands in `defect_*`. "
+        "Take it, then write that number into `echo_sequence`; until then it stands, and the next one waits. "
+        "Write the block once before the first echo: what stands there at first is never taken for an echo. "
+        "A "
+        "defect may come twice, after a restart: compare `defect_id`.\n\n"
+        "## Heartbeats\n\n`heartbeat` changes as long as the station's loop runs; when it stops, the status "
+        "word goes to 0. The station takes the PLC for alive while `plc_heartbeat` changes.\n";
+    return sheet;
 }
 
 std::string register_map_csv() {

@@ -44,6 +44,9 @@ LedgerResult<void> check_first_bytes(const fs::path& file) {
                                                                ": the folder " + folder.string() +
                                                                " does not exist; make it first");
     }
+    if (fs::exists(file, trouble) && !fs::is_regular_file(file, trouble))
+        return ledger_fail(LedgerTrouble::not_a_ledger,
+                           "the record " + file.string() + " is no regular file; expected a file");
     const uintmax_t size = size_or_zero(file);
     if (size == 0) {
         if (size_or_zero(wal_of(file)) > 0)

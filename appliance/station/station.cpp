@@ -43,12 +43,15 @@ struct Station::Impl {
     FrameResult result;
     std::vector<DefectRecord> acknowledged;
     std::string trouble;
+    std::string plc_said;  ///< newest sentence of the link's log: who was refused, and why
     int64_t framesets = 0;
     int64_t marks_total = 0;
     int64_t marks_on_part = 0;
+    int64_t marks_lost = 0;
     PartInCell part;
     bool finished = false;
-    DefectId echoed_up_to = 0;      ///< by the PLC in this run: it takes them in order
+    DefectId echoed_up_to = 0;  ///< by the PLC in this run: it takes them in order
+    bool record_readable = true;
     bool left_undelivered = false;  ///< the PLC's queue was full: the record knows more than it
 
     Impl(StationSetup s, DefectLedger l)
@@ -66,7 +69,8 @@ struct Station::Impl {
     double ms_since_arrival() const;
     void deliver_undelivered();
     void take_part(const PlcInputs& inputs);
-    int64_t marks_in_record() const;
+    int64_t marks_in_record();
+    std::vector<DefectRecord> read_record(const DefectFilter& filter);
     PlcDefect to_plc(const DefectRecord& record) const;
     DefectRecord record_of(const Mark& mark) const;
 };
@@ -148,11 +152,13 @@ void Station::Impl::record(const Mark& mark) {
         const auto id = recorder->commit_now(defect);
         if (!id) {
             trouble = "a mark could not be recorded: " + id.error().sentence;
+            ++marks_lost;
             return;
         }
         defect.id = *id;
         acknowledge(defect);
     } else if (const auto posted = recorder->post(defect); !posted) {
+        ++marks_lost;
         trouble = "a mark could not be recorded: " + posted.error().sentence;
     }
 }
@@ -168,7 +174,9 @@ void Station::Impl::acknowledge(const DefectRecord& record) {
     acknowledged.push_back(record);
     ++marks_total;
     if (record.part_serial == part.serial && record.part_type == part.type) ++marks_on_part;
-    if (!plc) return;
+    // While older ones wait for room the new one waits behind them, in the record: the PLC takes them in
+    // order.
+    if (!plc || left_undelivered) return;
     if (const auto queued = plc->deliver(to_plc(record)); !queued) {
         trouble = queued.error().sentence;
         left_undelivered = true;
@@ -181,11 +189,8 @@ void Station::Impl::deliver_undelivered() {
     left_undelivered = false;
     DefectFilter open_deliveries;
     open_deliveries.undelivered = true;
-    const auto reader = DefectLedger::open_to_read(setup.database);
-    if (!reader) return;
-    const auto waiting = reader->list(open_deliveries);
-    if (!waiting) return;
-    for (const DefectRecord& record : *waiting) {
+    const auto waiting = read_record(open_deliveries);
+    for (const DefectRecord& record : waiting) {
         if (record.id <= echoed_up_to) continue;  // its echo is on the way into the record
         if (plc->deliver(to_plc(record))) continue;
         left_undelivered = true;
@@ -219,7 +224,8 @@ void Station::Impl::tell_plc(bool fresh) {
     outputs.part_locked = fresh && result.part.state == PartState::tracking;
     outputs.part_at_rest = outputs.part_locked && result.part.at_rest;
     const RecorderPhase phase = recorder->state().phase;
-    outputs.database_ok = phase == RecorderPhase::ready || phase == RecorderPhase::writing;
+    outputs.database_ok =
+        record_readable && (phase == RecorderPhase::ready || phase == RecorderPhase::writing);
     outputs.ready = outputs.sensors_ok && outputs.part_at_rest && outputs.database_ok;
     outputs.mark_toggle = marks_total % 2 != 0;
     outputs.pointing = fresh && result.pointing && result.pointing->hit;
@@ -234,6 +240,7 @@ void Station::Impl::hear_plc() {
         recorder->note_delivered(id, utc_now_us());
         echoed_up_to = std::max(echoed_up_to, id);
     }
+    for (std::string& sentence : plc->take_log()) plc_said = std::move(sentence);
     if (left_undelivered && plc->state().defects_waiting == 0) deliver_undelivered();
     if (const PlcInputs inputs = plc->inputs(); inputs.part_sequence != part.sequence) take_part(inputs);
 }
@@ -249,17 +256,27 @@ void Station::Impl::take_part(const PlcInputs& inputs) {
 }
 
 /// A part may come back, and a station may be started again.
-int64_t Station::Impl::marks_in_record() const {
+int64_t Station::Impl::marks_in_record() {
     if (part.serial.empty()) return 0;
     DefectFilter of_part;
     of_part.part_type = part.type;
     of_part.part_serial = part.serial;
-    const auto reader = DefectLedger::open_to_read(setup.database);
-    if (!reader) return 0;
-    const auto found = reader->list(of_part);
-    if (!found) return 0;
-    return std::count_if(found->begin(), found->end(),
+    const auto found = read_record(of_part);
+    return std::count_if(found.begin(), found.end(),
                          [](const DefectRecord& r) { return r.state != DefectState::withdrawn; });
+}
+
+/// Without the check of every page that opening the record at the start has done. What cannot be read is
+/// said, to the PLC too.
+std::vector<DefectRecord> Station::Impl::read_record(const DefectFilter& filter) {
+    LedgerParams unchecked = setup.settings.ledger;
+    unchecked.check_on_open = false;
+    auto reader = DefectLedger::open_to_read(setup.database, unchecked);
+    auto found = reader ? reader->list(filter) : tl::unexpected(reader.error());
+    record_readable = found.has_value();
+    if (found) return std::move(*found);
+    trouble = found.error().sentence;
+    return {};
 }
 
 const FrameResult& Station::result() const {
@@ -290,6 +307,8 @@ StationState Station::state() const {
     state.expected = s.setup.cell.frames;
     state.finished = s.finished;
     state.marks_total = s.marks_total;
+    state.plc_said = s.plc_said;
+    state.marks_lost = s.marks_lost;
     state.last_trouble = s.trouble;
     return state;
 }

@@ -18,10 +18,12 @@ struct StationState {
     std::vector<SensorHealth> sensors;
     RecorderState record;
     LinkState plc;
+    std::string plc_said;      ///< newest of what the link noted: requests that were refused, and why
     int64_t framesets = 0;     ///< seen so far
     int64_t expected = -1;     ///< of the session; -1 = live
     bool finished = false;     ///< the session has been played to its end
     int64_t marks_total = 0;   ///< committed since start
+    int64_t marks_lost = 0;    ///< seen and not to be recorded
     std::string last_trouble;  ///< newest refusal (a mark that could not be recorded...), empty when none
 };
 

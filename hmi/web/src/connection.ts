@@ -4,7 +4,7 @@ import { linkIsLost } from "./situation";
 import type { Store } from "./store";
 
 const retryMs = 500;
-const silenceMs = 5000;
+const silenceMs = 3000;
 const refreshMarksMs = 5000;
 const tickMs = 200;
 
@@ -43,9 +43,7 @@ export class Connection {
         const socket = new WebSocket(`ws://${window.location.host}/api/live`);
         socket.binaryType = "arraybuffer";
         socket.onopen = () => {
-            this.closedAt = null;
             this.heardAt = this.clock();
-            this.store.update({ link: "open" });
             void this.fetchPart();
             void this.fetchMarks();
         };
@@ -69,6 +67,9 @@ export class Connection {
     private hear(data: string | ArrayBuffer): void {
         const now = this.clock();
         this.heardAt = now;
+        // Only a station that speaks is there: one that hangs may still take connections.
+        this.closedAt = null;
+        this.store.update({ link: "open" });
         if (typeof data !== "string") {
             this.understand("voxels", () => this.store.update({ voxels: decodeVoxels(data) }));
             return;

@@ -148,6 +148,8 @@ TEST(RegisterMap, TheSheetNamesEveryRegisterAndBit) {
         EXPECT_THAT(csv, HasSubstr(std::string(",") + line.name + ","));
     }
     for (const StatusBitLine& line : status_bits) EXPECT_THAT(markdown, HasSubstr(line.meaning));
+    EXPECT_THAT(markdown, HasSubstr("write that number into `echo_sequence`"));
+    EXPECT_THAT(markdown, HasSubstr("`part_sequence_taken` shows that number"));
     EXPECT_THAT(markdown, HasSubstr("| 9-10 | int32 | `defect_x` | mm | position in the frame"));
     EXPECT_THAT(csv, HasSubstr("to PLC,9,2,int32,defect_x,mm,\"position in the frame"));
 }

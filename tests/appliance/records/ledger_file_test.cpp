@@ -2,6 +2,7 @@
 // byte.
 #include <SQLiteCpp/SQLiteCpp.h>
 #include <gmock/gmock.h>
+#include <sys/stat.h>
 
 #include <random>
 #include <regex>
@@ -215,6 +216,10 @@ TEST_F(LedgerFileTest, SaysWhatIsNotThere) {
                   (folder_ / "no").string() + " does not exist; make it first");
     EXPECT_EQ(DefectLedger::open(folder_).error().sentence,
               "the record " + folder_.string() + " is a folder; expected a file");
+    const auto pipe = folder_ / "pipe";
+    ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+    EXPECT_EQ(DefectLedger::open_to_read(pipe).error().sentence,
+              "the record " + pipe.string() + " is no regular file; expected a file");
 }
 
 }  // namespace
