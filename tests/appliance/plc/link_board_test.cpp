@@ -79,6 +79,10 @@ TEST(LinkBoard, TakesAPartOnlyWithANewPartSequence) {
     EXPECT_EQ(board.inputs().part_serial, "");
     board.read_from_plc(plc_says(0, 0, 5, "A"));
     EXPECT_EQ(board.inputs().part_serial, "A");
+    EXPECT_EQ(board.words_for_plc()[taken_register], 0) << "the station has not taken it";
+    PlcOutputs outputs;
+    outputs.part_sequence_taken = board.inputs().part_sequence;
+    board.publish(outputs);
     EXPECT_EQ(board.words_for_plc()[taken_register], 5);
     board.read_from_plc(plc_says(0, 0, 5, "B"));
     EXPECT_EQ(board.inputs().part_serial, "A") << "the PLC has not finished writing";
