@@ -50,11 +50,9 @@ TEST(SuddenDeath, LosesNoAcknowledgedMarkInFiftyKills) {
     std::filesystem::remove_all(folder);
     std::filesystem::create_directories(folder);
 
-    // An undisturbed run says how long a replay takes and how many marks there are to lose.
-    const auto start = Clock::now();
+    // An undisturbed run says how many marks there are to lose.
     WatchedProgram whole(replay_into(folder + "/whole.db", folder + "/whole.jsonl"));
     ASSERT_EQ(whole.wait(), 0);
-    const std::chrono::duration<double> undisturbed = Clock::now() - start;
     const std::set<int64_t> all = acknowledged_in(whole.lines());
     ASSERT_GE(all.size(), 2U) << "the session has too few marks for this test";
     ASSERT_EQ(recorded_in(folder + "/whole.db"), all);
@@ -66,10 +64,17 @@ TEST(SuddenDeath, LosesNoAcknowledgedMarkInFiftyKills) {
         const std::string database = folder + "/killed.db";
         for (const char* ending : {"", "-wal", "-shm"}) std::filesystem::remove(database + ending);
         WatchedProgram program(replay_into(database, folder + "/killed.jsonl"));
-        if (round % 2 == 0) {  // any moment, start-up and the last frames included
-            const double share = std::uniform_real_distribution<>(0.02, 0.98)(random);
-            const auto moment =
-                Clock::now() + std::chrono::duration_cast<Clock::duration>(undisturbed * share);
+        if (round % 2 == 0) {  // any moment, start-up included: told by the replay's progress, not by a clock
+            const int percent = 5 * std::uniform_int_distribution<>(0, 18)(random);
+            const auto reached = [&](const std::string& line) {
+                return line.starts_with("PROGRESS ") && std::atoi(line.c_str() + 9) >= percent;
+            };
+            if (percent > 0) {
+                ASSERT_TRUE(program.wait_for(reached, std::chrono::seconds(120)));
+            }
+            const int longest_ms = percent > 0 ? 300 : 2000;
+            const auto moment = Clock::now() + std::chrono::milliseconds(
+                                                   std::uniform_int_distribution<>(0, longest_ms)(random));
             while (program.next_line(moment)) {
             }
         } else {  // around an acknowledgement, where a mark is most at risk
