@@ -33,16 +33,16 @@ TEST(LiveBackground, LearnsTheCellBehindAWalkingWorker) {
     const auto sensors = two_sensors();
     const std::vector<std::optional<DepthImage>> nothing(2);
     ForegroundModel foreground(sensors, nothing, {});
-    LiveBackground background(sensors, nothing, {5, 12});
+    LiveBackground background(sensors, nothing, {2, 8});
     uint32_t frame = 0;
     for (; !background.done(); ++frame) {
         ASSERT_LT(frame, 100U);
-        const Frameset frameset = render_all(sensors, walking(2 * frame % 100), frame, noise_of(frame));
+        const Frameset frameset = render_all(sensors, walking(6 * frame % 100), frame, noise_of(frame));
         background.update(frameset, foreground);
         foreground.update(frameset);
     }
-    EXPECT_EQ(frame, 56U) << "twelve images, five framesets apart";
-    for (int k = 0; k < 10; ++k, ++frame)  // what a short stay left behind is forgotten
+    EXPECT_EQ(frame, 15U) << "eight images, two framesets apart";
+    for (int k = 0; k < 8; ++k, ++frame)  // what a short stay left behind is forgotten
         foreground.update(render_all(sensors, {}, frame, noise_of(frame)));
     for (size_t s = 0; s < 2; ++s) EXPECT_LT(pixels_in(foreground.mask(s)), foreground.mask(s).size() / 500);
     DepthScene scene;
